@@ -46,7 +46,7 @@ void refuse_in_two(const Reads& in, const std::vector<NestedPart>& nested) {
                         "Remove it here: what is a part of " + holder + " is within this one, too.");
             in.fail(subtissues.name, "FE228",
                     name + " is a part of both " + in.source_name(subtissues.name, nested[k].top) + " and " + holder,
-                    "Connect it to subtissues of one of the two, and a zSubtissue of its own to those of the other.");
+                    "Connect it to subtissues of one of the two alone.");
         }
 }
 

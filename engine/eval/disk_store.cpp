@@ -62,6 +62,8 @@ FileFault why_not_kept(const std::filesystem::path& folder, const Failure& failu
     return {"IO407", first.message, first.hint};
 }
 
+std::uintmax_t DiskStore::file_size(std::size_t payload, std::size_t tail) { return header_size + payload + tail; }
+
 std::filesystem::path DiskStore::file_of(const Digest& key) const { return folder_ / (key.hex() + ending_); }
 
 DiskStore::Found DiskStore::read(const Digest& key, bool with_tail, std::vector<std::byte> room) const {

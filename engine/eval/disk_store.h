@@ -6,6 +6,7 @@
 #include "engine/digest.h"
 #include "engine/file_access.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -52,6 +53,8 @@ class DiskStore {
     /// \param tail what not all who read the file need
     void write(const Digest& key, std::span<const std::byte> payload, bool waits = true,
                std::span<const std::byte> tail = {}) const;
+    /// Of the file that it would make.
+    static std::uintmax_t file_size(std::size_t payload, std::size_t tail);
     /// What is there counts as used then, for whoever makes room.
     void touch(const Digest& key, std::filesystem::file_time_type when) const;
     void touch(const Digest& key) const { touch(key, std::filesystem::file_time_type::clock::now()); }

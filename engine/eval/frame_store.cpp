@@ -399,7 +399,7 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
     std::shared_ptr<LaidFrame> laid = take_room();
     encode(registry, type, frame, *laid);
     Bytes base;
-    if (key != start) {
+    if (key != start && files_.contains(start)) { // else it was taken for the room that it took
         base = start_of(start, true);
         files_.touch(start); // it is needed as long as the frames that differ from it
     }
@@ -407,13 +407,15 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
     told.put(base ? start : key); // without the start frame's file it stands for itself
     put_differing(told, laid->told, base ? &base->told : nullptr);
     put_differing(state, *laid->state, base ? &*base->state : nullptr);
-    make_room(told.bytes.size() + state.bytes.size());
+    if (!make_room(DiskStore::file_size(told.bytes.size(), state.bytes.size()), base ? start : key)) {
+        give_back(std::move(laid));
+        return;
+    }
     files_.write(key, told.bytes, false, state.bytes);
     files_.touch(key, note_use(start, frame.frame));
     if (key != start) give_back(std::move(laid));
-    const std::lock_guard lock(mutex_);
-    written_ += told.bytes.size() + state.bytes.size();
     if (key != start) return;
+    const std::lock_guard lock(mutex_);
     if (starts_.size() >= most_starts) starts_.clear();
     laid->told.bytes.shrink_to_fit(), laid->state->bytes.shrink_to_fit();
     laid->file = {};
@@ -490,12 +492,17 @@ fs::file_time_type FrameStore::note_use(const Digest& start, int frame) const {
     return sweep.begun - (frame - sweep.first) * std::chrono::microseconds(10);
 }
 
-void FrameStore::make_room(std::uintmax_t bytes) {
-    std::set<fs::path> spared;
+bool FrameStore::make_room(std::uintmax_t bytes, const Digest& needed) {
+    std::error_code none;
+    const fs::path start = files_.file_of(needed);
+    const std::uintmax_t held = fs::file_size(start, none);
+    if (bytes + (none ? 0 : held) > budget_) return false;
+    std::set<fs::path> spared{start};
     {
         const std::lock_guard lock(mutex_);
-        if (written_ + bytes <= budget_ / share) return;
-        written_ = 0;
+        written_ += bytes;
+        if (written_ <= budget_ / share) return true;
+        written_ = bytes;
         spared.insert(rows_);
     }
     std::uintmax_t rows = 0;
@@ -505,7 +512,8 @@ void FrameStore::make_room(std::uintmax_t bytes) {
         if (const auto size = file.file_size(gone); !gone) rows += size, row_files.insert(file.path());
     }
     if (rows <= std::min(budget_ / share, most_spared_rows)) spared.merge(row_files);
-    engine::make_room(folder_, budget_ - std::min(budget_, std::max(bytes, budget_ / share)), spared);
+    engine::make_room(folder_, budget_ - std::max(bytes, budget_ / share), spared);
+    return true;
 }
 
 } // namespace sinew::engine

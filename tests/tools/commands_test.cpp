@@ -154,6 +154,8 @@ TEST_CASE("bodies of one name in two outputs that are pulled are all written", "
     json graph = small_graph();
     graph["nodes"]["second"] = graph["nodes"]["solver"];
     graph["nodes"]["second"]["inputs"]["gravity"] = {0, 0, 0};
+    graph["nodes"]["second_lower"] = graph["nodes"]["lower"]; // as the other one might be called
+    graph["nodes"]["second"]["inputs"]["bodies"].push_back({{"from", "second_lower.outBody"}});
     const std::string file = write_graph(folder, graph);
     const auto alone = [&](const std::string& solver) {
         const std::string out = (folder / solver).string();
@@ -173,7 +175,7 @@ TEST_CASE("bodies of one name in two outputs that are pulled are all written", "
     CHECK(places(read_text(folder / "both/obj/block.0006.obj")) == first);
     CHECK(places(read_text(folder / "both/obj/second_block.0006.obj")) == other);
     std::string glb = read_text(folder / "both/small.glb");
-    for (const char* name : {"\"block\"", "\"second_block\"", "\"lower\"", "\"second_lower\""})
+    for (const char* name : {"\"block\"", "\"second_block\"", "\"lower\"", "\"second_lower\"", "\"second_lower_2\""})
         CHECK(glb.find(name) != std::string::npos);
 }
 

@@ -378,6 +378,22 @@ TEST_CASE("two processes share a folder", "[tools]") {
     CHECK(run(file, cache).simulated == 0);
 }
 
+TEST_CASE("frames that are more than the cache may take are not kept, nor told as damaged", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["nodes"]["blockMesh"]["inputs"]["subdivisionsHeight"] = 1500;
+    const std::string file = write_graph(folder, graph);
+    const fs::path cache = folder / "cache", large = folder / "large";
+    const Ran whole = run(file, large);
+    CHECK(size_of(large) > 1'500'000);
+    for (int time = 0; time < 2; ++time) {
+        const Ran small = run(file, cache, {"--cache-size", "1 MB"});
+        CHECK(small.digests == whole.digests);
+        CHECK(small.said.find("IO406") == std::string::npos);
+        CHECK(size_of(cache) <= 1'000'000);
+    }
+}
+
 TEST_CASE("the cache keeps to its size, says what it holds, and is cleaned", "[tools]") {
     const TemporaryFolder folder;
     json graph = small_graph();

@@ -181,8 +181,8 @@ TEST_CASE("new rig: of a muscle away from all bones a reach is named that is eno
     INFO(told);
     const std::string hint =
         "\n  hint: If it shall: --set 'floater:reach=3.7', or --set 'floater:attachTo=high,low'.\n";
-    CHECK(has(told, " reaches no bone and no muscle: high, the nearest, is 3 away" + hint));
-    CHECK(has(told, " reaches no bone and no muscle: low, the nearest other one, is 3 away" + hint));
+    CHECK(has(told, " reaches no bone and no muscle: high, the nearest that could hold it, is 3 away" + hint));
+    CHECK(has(told, " reaches no bone and no muscle: low, the nearest other one that could hold it, is 3 away" + hint));
     CHECK_FALSE(has(make({"--set", "floater:reach=3.7"}), "DG155"));
 }
 
@@ -191,7 +191,7 @@ TEST_CASE("new muscle: an end with nothing near is told what helps, by what is o
     write_text(column.high, block(-3, 8, -3, 3, 10, 3));
     const std::string near = column.make({"--unit", "cm"}).err;
     INFO(near);
-    CHECK(has(near, " reaches no bone and no muscle: high, the nearest other one, is 2 away\n"
+    CHECK(has(near, " reaches no bone and no muscle: high, the nearest other one that could hold it, is 2 away\n"
                     "  hint: If it shall: --set 'column:reach=2.4', or --set 'column:attachTo=high,low'.\n"));
     CHECK_FALSE(has(column.make({"--unit", "cm", "--set", "column:reach=2.4"}).err, "DG155"));
     // Where one end's bone is said, no reach gives the other end one.
@@ -200,7 +200,7 @@ TEST_CASE("new muscle: an end with nothing near is told what helps, by what is o
     // Over more than half of the muscle's length, a reach would take in all of it.
     write_text(column.high, block(-3, 14, -3, 3, 16, 3));
     CHECK(has(column.make({"--unit", "cm"}).err,
-              " reaches no bone and no muscle: high, the nearest other one, is 8 away\n"
+              " reaches no bone and no muscle: high, the nearest other one that could hold it, is 8 away\n"
               "  hint: Is it in the bones' pose, unit and place? If it shall hold on over such a gap: --set "
               "'column:attachTo=high,low'.\n"));
 }

@@ -52,6 +52,7 @@ test("a save of the arm with another material is soon seen", async () => {
             await ready(before.run + 1);
             const all = Date.now() - begin, after = await status(), since = await page.evaluate(() => window.since);
             const first = since["data-preview"] - begin, whole = since["data-page"] - begin;
+            if (!(first > 0 && whole > 0)) throw new Error("the page has shown nothing new");
             const s = (ms) => `${(ms / 1000).toFixed(2)} s`;
             console.log(`first new frame: program ${after.preview_s.toFixed(2)} s, seen after ${s(first)}, its page after ${s(whole)}; `
                 + `all: ${after.all_s.toFixed(1)} s, seen after ${s(all)}; ${after.simulated} simulated`);

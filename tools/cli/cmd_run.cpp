@@ -62,7 +62,9 @@ std::set<std::string> parse_formats(const Arguments& arguments) {
 Plan make_plan(const Arguments& arguments, const std::shared_ptr<const engine::Graph>& graph) {
     Plan plan;
     plan.graph = graph;
-    for (const std::string& text : arguments.values("--pull")) plan.plugs.push_back(parse_plug(*graph, text));
+    for (const std::string& text : arguments.values("--pull"))
+        if (const engine::Plug plug = parse_plug(*graph, text); std::ranges::find(plan.plugs, plug) == plan.plugs.end())
+            plan.plugs.push_back(plug);
     if (plan.plugs.empty()) plan.plugs.push_back(default_plug(*graph));
     std::vector<std::string> pulled;
     for (const engine::Plug& plug : plan.plugs) pulled.push_back(plug.node);

@@ -75,7 +75,10 @@ class Search {
         const engine::Timing& timing = graph_.timing();
         const bool moves =
             info.def.is<engine::Vec3>() || info.def.is<engine::Matrix4>() || info.def.is<engine::NumberList>();
-        if (reach.first > timing.end || reach.last < first_simulated_) {
+        const bool steps = curve.interpolation == engine::Interpolation::step || info.is_stepped();
+        // Of one frame alone is a graph that does not say for how long it is.
+        const bool is_bounded = !steps || timing.end > timing.start;
+        if (is_bounded && (reach.first > std::max<double>(timing.end, last_) || reach.last < first_simulated_)) {
             const bool before = reach.last < first_simulated_;
             Diagnostic d = warning("FE266", name, attribute);
             d.message = std::string(moves ? "the keyed motion" : "the keyed value") + " lasts from frame " +
@@ -87,7 +90,7 @@ class Search {
             found_.push_back(std::move(d));
             return;
         }
-        if (curve.interpolation == engine::Interpolation::step || info.is_stepped()) return; // holds by itself
+        if (steps) return; // holds by itself
         if (!moves && (missing(reach.first - timing.start) || missing(timing.end - reach.last))) return;
         Gap gap = gap_of(reach);
         gap.begins_late = gap.begins_late && !same(keys[0], keys[1]);

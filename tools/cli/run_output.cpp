@@ -32,11 +32,16 @@ void RunOutput::note(const fs::path& path) {
 /// then called by its own node, too.
 std::vector<BodyLabel> RunOutput::labels(const engine::Graph& graph, const engine::Plug& plug, std::size_t count) {
     std::vector<BodyLabel> out = body_labels(graph, plug, count);
-    for (BodyLabel& label : out) {
-        const auto is_free = [&] { return plug_of_.try_emplace(label.name, plug).first->second == plug; };
-        if (is_free()) continue;
-        const std::string base = label.name = file_name(plug.node) + "_" + label.name;
-        for (int number = 2; !is_free(); ++number) label.name = base + "_" + std::to_string(number);
+    const auto takes_name = [&](std::size_t i) {
+        const std::pair owner(plug, i);
+        return owner_of_.try_emplace(out[i].name, owner).first->second == owner;
+    };
+    std::vector<std::size_t> others;
+    for (std::size_t i = 0; i < out.size(); ++i)
+        if (!takes_name(i)) others.push_back(i);
+    for (const std::size_t i : others) {
+        const std::string base = out[i].name = file_name(plug.node + "_" + out[i].name);
+        for (int number = 2; !takes_name(i); ++number) out[i].name = base + "_" + std::to_string(number);
     }
     return out;
 }

@@ -12,6 +12,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sinew::cli {
@@ -68,9 +69,10 @@ class RunOutput {
     std::filesystem::path glb_path_;
     GlbFile glb_;
     std::vector<GlbCost> expected_;
-    std::map<std::string, engine::Plug> plug_of_;                        ///< whose output has a name, of several
-    std::size_t deforming_ = 0;                                          ///< bodies in the GLB
-    std::map<std::string, std::size_t> animated_;                        ///< body name -> index in glb_
+    std::map<std::string, std::pair<engine::Plug, std::size_t>>
+        owner_of_;                                ///< of a name: whose output, and which mesh of it
+    std::size_t deforming_ = 0;                   ///< bodies in the GLB
+    std::map<std::string, std::size_t> animated_; ///< body name -> index in glb_
     std::vector<std::shared_ptr<const nodes::MeshTopology>> topologies_; ///< of the bodies in glb_
     std::future<void> pending_;
     int pending_frame_ = 0;

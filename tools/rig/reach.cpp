@@ -335,14 +335,17 @@ void tell_loose_ends(Rig& rig, const Muscle& muscle, const std::vector<Surface>&
                 "attachTo=" + (are_two ? rig.parts[*bones[0]].name + "," + rig.parts[*bones[1]].name : "BONE,BONE"));
     for (std::size_t e = 0; e < 2; ++e) {
         if (!muscle.ends[e].holds.empty()) continue;
-        std::string message = place_of(muscle.ends[e]) + " reaches no bone and no muscle";
-        if (nearest[e])
+        const bool is_told = !muscle.options.attach_to.empty(); // what it touches else was not asked for
+        std::string message =
+            place_of(muscle.ends[e]) + (is_told ? " is attached to nothing" : " reaches no bone and no muscle");
+        if (nearest[e] && !is_told)
             message += ": " + rig.parts[nearest[e]->bone].name +
-                       (others[e] ? ", the nearest other one, is " : ", the nearest, is ") + rough(nearest[e]->gap) +
-                       " away";
+                       (others[e] ? ", the nearest other one that could hold it, is "
+                                  : ", the nearest that could hold it, is ") +
+                       rough(nearest[e]->gap) + " away";
         // Where attachTo says what is held, no reach adds to it.
         const std::string hint =
-            !muscle.options.attach_to.empty() ? "If it shall, name a bone for each end: " + attach + "."
+            is_told ? "If it shall, name a bone for each end: " + attach + "."
             : is_near(nearest[e])
                 ? "If it shall: " + setting(rig, muscle, "reach=" + rough(reach)) + ", or " + attach + "."
                 : "Is it in the bones' pose, unit and place? If it shall hold on over such a gap: " + attach + ".";

@@ -344,7 +344,8 @@ void BodyFields::marks(const Positions& x, Marks& out) const {
         });
         double largest = 0;
         for_each_action([&](const Action& a, const FieldAt&, const VolumePoints::OfBody& b) {
-            for (std::size_t i = 0; a.field == k && !is_off_[a.body] && i < b.count; i += points / most + 1) {
+            if (a.field != k || is_off_[a.body]) return;
+            for (std::size_t i = 0; i < b.count; i += points / most + 1) {
                 const std::size_t p = b.first + i;
                 const Vec3 from = points_.carried(p, x);
                 const Vec3 density = weights(f)[p] / volumes_[p] * field_force(f, from, velocity(p, from));
