@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/frame_warnings.h"
 
+#include "nodes/options.h"
 #include "nodes/worst.h"
 #include "nodes/z_solver_attributes.h"
 
@@ -82,14 +83,12 @@ void warn_if_unconverged(const Reads& in, const Setup& setup, const solver::Stat
         hint = "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.";
     const std::string few = std::to_string(few_cloth_iterations), most = std::to_string(most_cloth_iterations);
     const auto limit = in[max_newton_iterations];
-    // Of one step alone: sums of several say nothing.
-    if (record.substeps <= 1 && record.halvings == 0 && record.newton_iterations < limit)
+    // Sums over several pieces say nothing of one, and a step of motion that finds no lower energy is halved.
+    if (in[integrator] == word_of(solver::Integrator::quasi_static) && record.substeps <= 1 && record.halvings == 0 &&
+        record.newton_iterations < limit)
         hint = std::string("More iterations would not help: no lower energy was found from where they led") +
-               (in[integrator] != "QuasiStatic" ? ". Raise substeps, or accept it with a larger solverToleranceFactor."
-                : cloth_is_left(setup, -1)      ? ", as where a flat sheet without tension carries something. Give it "
-                                                  "inertia (another integrator), tension, or a bulge."
-                                                : ". Give it inertia (another integrator), or accept it with a larger "
-                                                  "solverToleranceFactor.");
+               (cloth_is_left(setup, -1) ? ", as where a flat sheet without tension carries something" : "") +
+               ". Give it inertia (another integrator), or accept it with a larger solverToleranceFactor.";
     else if (limit < most_cloth_iterations && cloth_is_left(setup, s.residual_body))
         hint = "Raise maxNewtonIterations from " + std::to_string(limit) + " to " + most +
                ": cloth that touches or folds takes " + few + " to " + most +

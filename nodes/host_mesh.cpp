@@ -72,6 +72,12 @@ Mesh made_reference(const Reads& in, solver::Points shape) {
         sizes.assign(corners.size() / 3, 3);
     }
     return guarded(in, face_vertices.name, [&] {
+        try {
+            solver::check_faces(shape.size(), sizes, corners);
+        } catch (const solver::Error& why) {
+            if (why.code == "FE208") in.fail(face_vertices.name, "DG125", why.what(), why.hint);
+            throw;
+        }
         solver::SurfaceMesh mesh =
             solver::SurfaceMesh::from_polygons(std::move(shape), std::move(sizes), std::move(corners));
         solver::check_usable(mesh);

@@ -399,7 +399,7 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
     std::shared_ptr<LaidFrame> laid = take_room();
     encode(registry, type, frame, *laid);
     Bytes base;
-    if (key != start && files_.contains(start)) { // else it was taken for the room that it took
+    if (key != start && files_.contains(start)) { // else it went, to make room
         base = start_of(start, true);
         files_.touch(start); // it is needed as long as the frames that differ from it
     }
@@ -407,7 +407,8 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
     told.put(base ? start : key); // without the start frame's file it stands for itself
     put_differing(told, laid->told, base ? &base->told : nullptr);
     put_differing(state, *laid->state, base ? &*base->state : nullptr);
-    if (!make_room(DiskStore::file_size(told.bytes.size(), state.bytes.size()), base ? start : key)) {
+    if (!make_room(DiskStore::file_size(told.bytes.size(), state.bytes.size()),
+                   base ? std::optional(start) : std::nullopt)) {
         give_back(std::move(laid));
         return;
     }
@@ -492,12 +493,15 @@ fs::file_time_type FrameStore::note_use(const Digest& start, int frame) const {
     return sweep.begun - (frame - sweep.first) * std::chrono::microseconds(10);
 }
 
-bool FrameStore::make_room(std::uintmax_t bytes, const Digest& needed) {
-    std::error_code none;
-    const fs::path start = files_.file_of(needed);
-    const std::uintmax_t held = fs::file_size(start, none);
-    if (bytes + (none ? 0 : held) > budget_) return false;
-    std::set<fs::path> spared{start};
+bool FrameStore::make_room(std::uintmax_t bytes, const std::optional<Digest>& needed) {
+    std::uintmax_t together = bytes;
+    std::set<fs::path> spared;
+    if (needed) {
+        const fs::path& start = *spared.insert(files_.file_of(*needed)).first;
+        std::error_code gone;
+        if (const auto size = fs::file_size(start, gone); !gone) together += size;
+    }
+    if (together > budget_) return false;
     {
         const std::lock_guard lock(mutex_);
         written_ += bytes;

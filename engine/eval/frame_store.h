@@ -85,9 +85,9 @@ class FrameStore {
     std::shared_ptr<LaidFrame> take_room() const;
     void give_back(std::shared_ptr<LaidFrame> room) const;
     std::vector<Value> last_outputs(const Digest& start) const;
-    /// Before so many are written, which say what differs from the file of `needed`: that stays. False: both together
-    /// are more than there may be, and nothing was done.
-    bool make_room(std::uintmax_t bytes, const Digest& needed);
+    /// Before so many are written, which may say what differs from the file of `needed`: that stays. False: both
+    /// together are more than there may be, and nothing was done.
+    bool make_room(std::uintmax_t bytes, const std::optional<Digest>& needed);
     std::vector<std::filesystem::directory_entry> rows_of_build() const;
     /// Frames of a simulation that are used one after another. They count as used when the first of them was, each a
     /// moment before the one ahead of it, so that room is made from their end: whoever runs them again begins at the

@@ -385,7 +385,9 @@ TEST_CASE("frames that are more than the cache may take are not kept, nor told a
     const std::string file = write_graph(folder, graph);
     const fs::path cache = folder / "cache", large = folder / "large";
     const Ran whole = run(file, large);
-    CHECK(size_of(large) > 1'500'000);
+    std::uintmax_t start = 0;
+    for (const fs::path& frame : files(large, ".frame")) start = std::max(start, fs::file_size(frame));
+    CHECK(start > 1'000'000);
     for (int time = 0; time < 2; ++time) {
         const Ran small = run(file, cache, {"--cache-size", "1 MB"});
         CHECK(small.digests == whole.digests);

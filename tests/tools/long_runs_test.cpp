@@ -253,6 +253,8 @@ TEST_CASE("keys of which the timing has none are warned about", "[tools]") {
               .find("FE266 block.enable: the keyed value lasts from frame 20 to 30, the graph's timing from 1 to 6: it "
                     "stays as it is at its first key throughout | ") != std::string::npos);
     CHECK(switched({{1, false}, {30, true}}).find("FE266") == std::string::npos);
+    graph["timing"]["end"] = 1; // nobody says for how long it is
+    CHECK(switched({{20, true}, {30, false}}).find("FE266 block.enable") == std::string::npos);
 }
 
 TEST_CASE("recorded motion that does not reach over the run is warned about once a file", "[tools]") {

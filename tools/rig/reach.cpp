@@ -272,15 +272,19 @@ struct Away {
     double enough = far_away; ///< of the last one that is needed for a hold
 };
 
-/// Looks no farther than `most`.
-Away away_from(const Rig& rig, const Muscle& muscle, std::size_t end, std::size_t bone, const Surface& surface,
-               double most) {
+/// The vertices of a muscle's end.
+Part part_of_end(const Rig& rig, const Muscle& muscle, std::size_t end) {
     const Part& own = rig.parts[muscle.part];
-    Part here;
+    Part out;
     for (std::size_t v = 0; v < own.points.size(); ++v)
-        if (from_tip(muscle, end, v) <= end_part) here.points.push_back(own.points[v]);
-    here.box = own.box;
-    std::vector<double> to = distances(here, surface, most);
+        if (from_tip(muscle, end, v) <= end_part) out.points.push_back(own.points[v]);
+    out.box = own.box;
+    return out;
+}
+
+/// Looks no farther than `most`.
+Away away_from(const Part& end, std::size_t bone, const Surface& surface, double most) {
+    std::vector<double> to = distances(end, surface, most);
     std::sort(to.begin(), to.end());
     return {bone, to.empty() ? far_away : to.front(), to.size() < fewest ? far_away : to[fewest - 1]};
 }
@@ -288,10 +292,11 @@ Away away_from(const Rig& rig, const Muscle& muscle, std::size_t end, std::size_
 /// The bone that an end would take if it reached farther.
 std::optional<Away> nearest_but(const Rig& rig, const Muscle& muscle, std::size_t end,
                                 const std::vector<Surface>& surfaces, const Choice& other) {
+    const Part here = part_of_end(rig, muscle, end);
     std::optional<Away> best;
     for (std::size_t p = 0; p < rig.parts.size(); ++p) {
         if (rig.parts[p].kind != Kind::bone || p == other) continue;
-        const Away c = away_from(rig, muscle, end, p, surfaces[p], best ? std::min(best->enough, 1e300) : 1e300);
+        const Away c = away_from(here, p, surfaces[p], best ? std::min(best->enough, 1e300) : 1e300);
         if (!best ? c.gap < far_away : c.enough < best->enough) best = c;
     }
     return best;
@@ -356,7 +361,7 @@ void tell_loose_ends(Rig& rig, const Muscle& muscle, const std::vector<Surface>&
 /// What helps an end with too few vertices within reach of what it holds on to.
 std::string hint_of_few(const Rig& rig, const Muscle& muscle, std::size_t end, const std::vector<Surface>& surfaces) {
     const Hold& hold = muscle.ends[end].holds.front();
-    const double enough = away_from(rig, muscle, end, hold.target, surfaces[hold.target], 1e300).enough;
+    const double enough = away_from(part_of_end(rig, muscle, end), hold.target, surfaces[hold.target], 1e300).enough;
     // Over a gap, paint ends a reach beyond it, as long as the gap is wider than the reach.
     const double beyond = reach_for(std::max(enough - hold.gap, 0.0));
     const bool is_beyond = hold.inner > muscle.reach && beyond < hold.gap;
