@@ -396,6 +396,21 @@ TEST_CASE("frames that are more than the cache may take are not kept, nor told a
     }
 }
 
+TEST_CASE("the cache keeps to its size where a frame is a good part of it", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["timing"]["end"] = 12;
+    graph["nodes"]["blockMesh"]["inputs"]["subdivisionsHeight"] = 400;
+    const std::string file = write_graph(folder, graph);
+    const fs::path cache = folder / "cache";
+    run(file, cache, {"--cache-size", "1 MB"});
+    std::uintmax_t least = 1'000'000;
+    for (const fs::path& frame : files(cache, ".frame")) least = std::min(least, fs::file_size(frame));
+    CHECK(least > 150'000);
+    CHECK(size_of(cache) <= 1'000'000);
+    CHECK(size_of(cache) > 500'000);
+}
+
 TEST_CASE("the cache keeps to its size, says what it holds, and is cleaned", "[tools]") {
     const TemporaryFolder folder;
     json graph = small_graph();

@@ -67,6 +67,21 @@ TEST_CASE("bones are rigid, tissues ride on their lattice, and the node of each 
     CHECK(scene.notes.empty());
 }
 
+TEST_CASE("bodies of one name in two solvers are called as in the files of a run") {
+    engine::Edit edit(test::muscle_graph());
+    edit.add_node("second", "zSolver");
+    edit.set_json({"second", "bodies"}, R"([{"from": "block.outBody"}])");
+    engine::Evaluator evaluator({}, 1);
+    Evaluation e;
+    e.graph = edit.commit().graph, e.evaluator = &evaluator, e.frames = {1};
+    e.shown = {{"solver", "outMeshes"}, {"second", "outMeshes"}};
+    const ViewScene scene = collect_graph(e);
+    REQUIRE(scene.bodies.size() == 4);
+    CHECK(scene.bodies[2].name == "block");
+    CHECK(scene.bodies[3].name == "second_block");
+    CHECK(scene.bodies[3].node == "block");
+}
+
 TEST_CASE("fibres, excitation, painted maps and attachments are collected") {
     const ViewScene scene = collect_muscle().scene;
     const ViewBody& block = scene.bodies[2];

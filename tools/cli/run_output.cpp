@@ -2,6 +2,7 @@
 #include "tools/cli/run_output.h"
 
 #include "tools/cli/atomic_file.h"
+#include "tools/cli/names_apart.h"
 #include "tools/viewer/recorder.h"
 
 #include <algorithm>
@@ -28,21 +29,17 @@ void RunOutput::note(const fs::path& path) {
     if (std::find(written_.begin(), written_.end(), path) == written_.end()) written_.push_back(path);
 }
 
-/// Outputs of two nodes may hold bodies of one name, as where two solvers simulate the same: what is pulled later is
-/// then called by its own node, too.
+/// Outputs of two nodes may hold bodies of one name, as where two solvers simulate the same.
 std::vector<BodyLabel> RunOutput::labels(const engine::Graph& graph, const engine::Plug& plug, std::size_t count) {
     std::vector<BodyLabel> out = body_labels(graph, plug, count);
-    const auto takes_name = [&](std::size_t i) {
+    std::vector<std::string> names;
+    for (const BodyLabel& label : out) names.push_back(label.name);
+    tell_apart(names, plug.node, [&](std::string& name, std::size_t i) {
+        name = file_name(name);
         const std::pair owner(plug, i);
-        return owner_of_.try_emplace(out[i].name, owner).first->second == owner;
-    };
-    std::vector<std::size_t> others;
-    for (std::size_t i = 0; i < out.size(); ++i)
-        if (!takes_name(i)) others.push_back(i);
-    for (const std::size_t i : others) {
-        const std::string base = out[i].name = file_name(plug.node + "_" + out[i].name);
-        for (int number = 2; !takes_name(i); ++number) out[i].name = base + "_" + std::to_string(number);
-    }
+        return owner_of_.try_emplace(name, owner).first->second == owner;
+    });
+    for (std::size_t i = 0; i < out.size(); ++i) out[i].name = names[i];
     return out;
 }
 

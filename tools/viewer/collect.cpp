@@ -3,6 +3,7 @@
 
 #include "engine/eval/state_file.h"
 #include "nodes/simulation_state.h"
+#include "tools/cli/names_apart.h"
 #include "tools/cli/open_graph.h"
 #include "tools/viewer/faults.h"
 #include "tools/viewer/flesh.h"
@@ -11,7 +12,7 @@
 #include "tools/viewer/recorder.h"
 
 #include <chrono>
-#include <map>
+#include <set>
 
 namespace sinew::viewer {
 
@@ -22,13 +23,6 @@ namespace {
 
 bool is_solver_meshes(const engine::Graph& graph, const Plug& plug) {
     return plug.attribute == "outMeshes" && graph.find(plug.node)->type_name == "zSolver";
-}
-
-/// The second of a name is name_2, and so on.
-/// \param taken how often each name is in use
-void tell_apart(std::vector<std::string>& names, std::map<std::string, int>& taken) {
-    for (std::string& name : names)
-        if (const int times = ++taken[name]; times > 1) name += "_" + std::to_string(times);
 }
 
 /// A node whose meshes are shown, and what of the scene it fills.
@@ -85,7 +79,7 @@ class Collector {
     std::vector<GraphCollector::Place> look(int frame) {
         stop_ = e_.stop;
         std::vector<GraphCollector::Place> out;
-        std::map<std::string, int> taken;
+        std::set<std::string> taken;
         for (const Source& source : sources_) {
             const std::vector<nodes::Mesh> meshes = cli::meshes_in(pull(source.meshes, frame));
             const std::vector<std::string> names = names_of(source, meshes.size(), taken);
@@ -252,17 +246,17 @@ class Collector {
         return out;
     }
 
-    /// What `count` bodies of a source are called. Nodes keep their names; files have others where a file cannot be
-    /// called so.
-    /// \param taken how often each name is in use
-    std::vector<std::string> names_of(const Source& source, std::size_t count,
-                                      std::map<std::string, int>& taken) const {
+    /// What `count` bodies of a source are called, as in a run's files. Nodes keep their names; files have others where
+    /// a file cannot be called so.
+    /// \param taken by other sources
+    std::vector<std::string> names_of(const Source& source, std::size_t count, std::set<std::string>& taken) const {
         std::vector<std::string> out = given_to(source);
         if (!source.is_solver || out.size() != count) {
             out.clear();
             for (const auto& label : cli::body_labels(*e_.graph, source.meshes, count)) out.push_back(label.name);
         }
-        tell_apart(out, taken);
+        cli::tell_apart(out, source.meshes.node,
+                        [&](const std::string& name, std::size_t) { return taken.insert(name).second; });
         return out;
     }
 
@@ -272,7 +266,7 @@ class Collector {
     ViewScene scene_;
     std::vector<Source> sources_;
     std::vector<BodyRecorder> recorders_;
-    std::map<std::string, int> names_;
+    std::set<std::string> names_;
 };
 
 } // namespace
@@ -290,8 +284,6 @@ std::vector<std::string> solver_body_names(const engine::Graph& graph, const Plu
     if (!is_solver_meshes(graph, meshes)) return {};
     std::vector<std::string> out;
     for (const Plug& plug : connections(graph, meshes.node, "bodies")) out.push_back(plug.node);
-    std::map<std::string, int> taken;
-    tell_apart(out, taken);
     return out;
 }
 
