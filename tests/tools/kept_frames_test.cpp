@@ -399,7 +399,7 @@ TEST_CASE("frames that are more than the cache may take are not kept, nor told a
 TEST_CASE("the cache keeps to its size where a frame is a good part of it", "[tools]") {
     const TemporaryFolder folder;
     json graph = small_graph();
-    graph["timing"]["end"] = 24;
+    graph["timing"]["end"] = 12;
     graph["nodes"]["tets"] = {{"type", "zTet"},
                               {"inputs", {{"mesh", {{"from", "blockMesh.outMesh"}}}, {"tetSize", 0.8}}}};
     graph["nodes"]["block"]["inputs"]["tets"] = {{"from", "tets.outTets"}};
