@@ -55,7 +55,7 @@ TEST_CASE("help and version go to the output, with exit code 0", "[tools]") {
         const Said said = run_program({command, "--help"});
         CHECK(said.code == 0);
         CHECK(has(said.out, "Example:\n  sinew " + command));
-        CHECK(said.beside_work().empty());
+        CHECK(said.err.empty());
     }
 }
 
@@ -433,7 +433,7 @@ void check_graphs_of(const char* folder, int least) {
         CHECK(check.beside_work().empty());
         const Said run = run_program({"run", entry.path().string(), "--frames", "1-3", "--quiet", "--strict"});
         CHECK(run.code == 0);
-        CHECK(run.beside_work().empty());
+        CHECK(run.err.empty());
     }
     CHECK(count >= least);
 }

@@ -38,7 +38,7 @@ TEST_CASE("order, comments, spelling and defaults written out are no difference"
     const Said said = p.diff();
     CHECK(said.out == "");
     CHECK(said.code == 0);
-    CHECK(said.beside_work() == "");
+    CHECK(said.err == "");
 }
 
 TEST_CASE("inputs that differ are told in SI units, nodes and wires by name", "[tools]") {

@@ -105,7 +105,7 @@ TEST_CASE("fmt needs neither meshes nor included graphs, and says which files ca
     const Said checked = run_program({"fmt", "--check", graph});
     CHECK(checked.code == 1);
     CHECK(checked.out == "would change " + graph + "\n");
-    CHECK(checked.beside_work() == "");
+    CHECK(checked.err == "");
     CHECK(run_program({"fmt", graph}).code == 0);
     CHECK(read_text(graph) == R"({
   "format": "sinew 1",
@@ -148,6 +148,6 @@ TEST_CASE("all graphs that ship are laid out as fmt does", "[tools]") {
     CHECK(words.size() > 50);
     const Said said = run_program(words);
     CHECK(said.out == ""); // else: run `sinew fmt` on them
-    CHECK(said.beside_work() == "");
+    CHECK(said.err == "");
     CHECK(said.code == 0);
 }

@@ -168,7 +168,7 @@ TEST_CASE("a shot from frame 1001 is not simulated from frame 1", "[tools]") {
     }
     const Said said = run_program({"run", write_graph(folder, graph), "--json"});
     CHECK(said.code == 0);
-    CHECK(said.beside_work().empty());
+    CHECK(said.err.empty());
     CHECK(said.lines().back().at("frames_simulated") == 3);
     graph["nodes"]["solver"]["inputs"]["startFrame"] = 999;
     graph["nodes"]["solver"]["inputs"]["framesPerSecond"] = 30;
@@ -254,7 +254,7 @@ TEST_CASE("one and two threads give the same bits, and so does a run of the last
     const std::string cores = std::to_string(2 * std::max(1u, std::thread::hardware_concurrency()));
     const Said many = run_program({"run", graph, "--json", "--no-cache", "--threads", cores});
     CHECK(digests(many) == one);
-    CHECK(many.beside_work().empty());
+    CHECK(many.err.empty());
     const Said last = run_program({"run", graph, "--json", "--frames", "6"});
     CHECK(digests(last) == std::vector<std::string>{one.back()});
     CHECK(last.lines().back().at("frames_simulated") == 6);

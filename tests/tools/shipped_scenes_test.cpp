@@ -25,7 +25,7 @@ TEST_CASE("the scenes of contact and attachments are right and run", "[tools][co
         CHECK(check.beside_work().empty());
         const Said run = run_program({"run", graph, "--frames", "1-3", "--quiet", "--strict", "--no-cache"});
         CHECK(run.code == 0);
-        CHECK(run.beside_work().empty());
+        CHECK(run.err.empty());
     }
 }
 

@@ -203,7 +203,7 @@ TEST_CASE("frames become a movie where ffmpeg exists", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph()), mp4 = (folder / "m.mp4").string();
     const Said said = run_program({"snapshot", graph, "--movie", mp4, "--size", "64x48"});
-    CHECK(said.beside_work() == "");
+    CHECK(said.err == "");
     REQUIRE(said.code == 0);
     CHECK(has(said.out, "6 frames at 24 a second"));
     const std::string bytes = read_text(mp4);
