@@ -134,6 +134,7 @@ void ComponentFactors::solve(const double* in, double* out, std::span<const char
             for (const int row : part.rows) std::copy_n(in + 3 * row, 3, out + 3 * row);
             return;
         }
+        if (parts_.size() == 1) return part.factor->solve(in, out); // its rows are those of the whole
         for (std::size_t i = 0; i < part.rows.size(); ++i)
             std::copy_n(in + 3 * part.rows[i], 3, part.in.data() + 3 * i);
         part.factor->solve(part.in.data(), part.out.data());

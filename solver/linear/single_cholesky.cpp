@@ -30,9 +30,14 @@ namespace sinew::solver {
 
 namespace {
 
-/// Subtrees of fewer operations than this share of all are one piece of work each, and where there are fewer than so
-/// many operations, all is one piece.
-constexpr double piece_share = 1.0 / 16, least_operations = 2e7;
+/// Where a factor takes fewer operations than this, it is one piece of work.
+constexpr double least_operations = 2e7;
+/// While it is made, subtrees of less than this share of all operations are a piece each: the large supernodes above
+/// them are made by tiles of rows, side by side as well.
+constexpr double made_share = 1.0 / 16;
+/// In solves what is above the pieces is one thread's alone. So of these shares, of all numbers, that one is taken with
+/// which two threads end first.
+constexpr double solved_shares[] = {1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 8, 1.0 / 16};
 /// Rows (of blocks) of a large supernode that are one piece of work.
 constexpr int tile = 32;
 /// Products of more columns, as long as wider than this, are BLAS's.
@@ -79,10 +84,22 @@ struct Scratch {
 };
 
 /// A subtree: supernodes first…last-1, of which the last is the root.
-struct Piece {
+struct Subtree {
     int first, last;
+    double cost;
+};
+
+/// The tree of supernodes in pieces, the costliest first, so that threads end together; what is above them goes in
+/// order.
+struct Cut {
+    std::vector<Subtree> pieces;
+    std::vector<int> above; ///< supernodes, ascending
+    double above_cost = 0;
+};
+
+/// What a solve needs for a piece.
+struct SolvedPiece {
     int end;                   ///< one past its last row of the factor
-    float pivot;               ///< the first that was not above zero, else one that was
     std::vector<float> x;      ///< the right side at one supernode's rows
     std::vector<Float4> above; ///< what it takes off the right side above the pieces
 };
@@ -100,9 +117,10 @@ struct SingleCholesky::Impl {
     };
     std::vector<std::size_t> entry_start; ///< per supernode and one past the end
     std::vector<Entry> entries;
-    std::vector<Piece> pieces;
-    std::vector<int> above;       ///< supernodes above them, ascending
-    std::vector<int> above_place; ///< of each row of the factor among those of `above`
+    Cut made, solved;          ///< for the factor, and for solves with it
+    std::vector<float> pivots; ///< per piece of `made`: the first that was not above zero, else one that was
+    std::vector<SolvedPiece> solved_pieces;
+    std::vector<int> above_place; ///< of each row of the factor among those of solved.above
 
     std::shared_ptr<LargeArray<float>> memory =
         std::make_shared<LargeArray<float>>(); ///< of the numbers, while it is made
@@ -118,15 +136,17 @@ struct SingleCholesky::Impl {
     std::vector<int> nodes_of_rows() const;
     void find_updates();
     void find_entries(const BlockPattern& pattern);
+    Cut cut_tree(const std::vector<double>& cost, double share) const;
     void find_pieces();
     std::size_t largest_product() const;
-    float make(int node, const BlockView& a, bool in_tiles);
-    void take_entries(int node, const BlockView& a, const std::vector<int>& place_in_node);
+    void take_entries(int node, const BlockView& a);
+    float make(int node, bool in_tiles);
+    void keep_for_solves(int node);
     float factor_dense(const Supernode& s, bool in_tiles);
     void subtract(const Supernode& s, const Update& u, int first_row, int last_row, Scratch& w);
     BlockColumn column(const Supernode& s);
     ShortColumn kept_column(int node) const;
-    void down(int node, float* own, Piece* piece);
+    void down(int node, float* own, SolvedPiece* piece);
     void up(int node, float* own);
 };
 
@@ -158,7 +178,7 @@ std::vector<int> SingleCholesky::Impl::nodes_of_rows() const {
 /// Numbers of the largest product that `subtract` makes, so that no step has to allocate.
 std::size_t SingleCholesky::Impl::largest_product() const {
     std::vector<char> in_tiles(tree.nodes.size(), 0);
-    for (const int k : above) in_tiles[at(k)] = cut_into_tiles(tree.nodes[at(k)]);
+    for (const int k : made.above) in_tiles[at(k)] = cut_into_tiles(tree.nodes[at(k)]);
     std::size_t largest = 0;
     for (std::size_t k = 0; k < tree.nodes.size(); ++k)
         for (std::size_t u = update_start[k]; u < update_start[k + 1]; ++u) {
@@ -210,47 +230,66 @@ void SingleCholesky::Impl::find_entries(const BlockPattern& pattern) {
     for_each_entry([&](std::size_t node, const Entry& entry) { entries[next[node]++] = entry; });
 }
 
-/// Cuts the tree of supernodes: what is below piece_share of the operations is one piece, all above goes in order.
-void SingleCholesky::Impl::find_pieces() {
+/// Cuts the tree where a subtree costs more than a share of all; `cost` is each supernode's own.
+Cut SingleCholesky::Impl::cut_tree(const std::vector<double>& cost, double share) const {
     const int count = static_cast<int>(tree.nodes.size());
     std::vector<int> parent(tree.nodes.size(), -1), first(tree.nodes.size());
-    std::vector<double> cost(tree.nodes.size());
-    double total = 0;
-    for (int k = 0; k < count; ++k) {
-        const Supernode& s = tree.nodes[at(k)];
-        first[at(k)] = k;
-        for (int c = 0; c < s.width; ++c) cost[at(k)] += double(s.rows - c) * double(s.rows - c);
-        total += cost[at(k)];
-    }
+    std::vector<double> whole = cost; // with all below it
+    std::iota(first.begin(), first.end(), 0);
     const std::vector<int> node_of = nodes_of_rows();
     // Children come before their parents, and a subtree's supernodes one after another (postorder).
     for (int k = 0; k < count; ++k) {
         const Supernode& s = tree.nodes[at(k)];
         if (s.rows == s.width) continue;
         const int p = parent[at(k)] = node_of[at(tree.rows[s.row_start + at(s.width)])];
-        cost[at(p)] += cost[at(k)];
+        whole[at(p)] += whole[at(k)];
         first[at(p)] = std::min(first[at(p)], first[at(k)]);
     }
-    const double most = tree.operations < least_operations ? total : piece_share * total;
+    const double total = std::accumulate(cost.begin(), cost.end(), 0.0);
+    const double most = tree.operations < least_operations ? total : share * total;
+    Cut out;
+    for (int k = 0; k < count; ++k) {
+        if (!(whole[at(k)] <= most))
+            out.above.push_back(k), out.above_cost += cost[at(k)];
+        else if (parent[at(k)] < 0 || !(whole[at(parent[at(k)])] <= most))
+            out.pieces.push_back({first[at(k)], k + 1, whole[at(k)]});
+    }
+    std::stable_sort(out.pieces.begin(), out.pieces.end(),
+                     [](const Subtree& a, const Subtree& b) { return a.cost > b.cost; });
+    return out;
+}
+
+/// What two threads take, each a piece after another.
+double time_of_two(const Cut& cut) {
+    double one = 0, other = 0;
+    for (const Subtree& piece : cut.pieces) (one <= other ? one : other) += piece.cost;
+    return std::max(one, other) + cut.above_cost;
+}
+
+void SingleCholesky::Impl::find_pieces() {
+    std::vector<double> operations(tree.nodes.size()), numbers(tree.nodes.size());
+    for (std::size_t k = 0; k < tree.nodes.size(); ++k) {
+        const Supernode& s = tree.nodes[k];
+        for (int c = 0; c < s.width; ++c) operations[k] += double(s.rows - c) * double(s.rows - c);
+        numbers[k] = double(s.rows) * double(s.width);
+    }
+    made = cut_tree(operations, made_share);
+    pivots.resize(made.pieces.size());
+    solved = cut_tree(numbers, solved_shares[0]);
+    for (const double share : solved_shares)
+        if (Cut other = cut_tree(numbers, share); time_of_two(other) < time_of_two(solved)) solved = std::move(other);
     int rows_above = 0;
     above_place.assign(tree.order.size(), -1);
-    for (int k = 0; k < count; ++k) {
-        const Supernode& s = tree.nodes[at(k)];
-        if (!(cost[at(k)] <= most)) {
-            above.push_back(k);
-            for (int c = 0; c < s.width; ++c) above_place[at(s.first + c)] = rows_above++;
-        } else if (parent[at(k)] < 0 || !(cost[at(parent[at(k)])] <= most)) {
-            int most_rows = 0;
-            for (int n = first[at(k)]; n <= k; ++n) most_rows = std::max(most_rows, tree.nodes[at(n)].rows);
-            pieces.push_back(
-                {first[at(k)], k + 1, s.first + s.width, 0.0f, std::vector<float>(at(room(most_rows))), {}});
-        }
+    for (const int k : solved.above)
+        for (int c = 0; c < tree.nodes[at(k)].width; ++c) above_place[at(tree.nodes[at(k)].first + c)] = rows_above++;
+    for (const Subtree& piece : solved.pieces) {
+        int most_rows = 0;
+        for (int k = piece.first; k < piece.last; ++k) most_rows = std::max(most_rows, tree.nodes[at(k)].rows);
+        const Supernode& root = tree.nodes[at(piece.last - 1)];
+        solved_pieces.push_back(
+            {root.first + root.width, std::vector<float>(at(room(most_rows))), std::vector<Float4>(at(rows_above))});
     }
-    for (Piece& p : pieces) p.above.resize(at(rows_above));
     x.resize(at(room(tree.most_rows)));
-    // The costliest first, so that threads end together.
-    std::stable_sort(pieces.begin(), pieces.end(),
-                     [&](const Piece& a, const Piece& b) { return cost[at(a.last - 1)] > cost[at(b.last - 1)]; });
 }
 
 /// Takes what `u` gives to rows first_row…last_row-1 of s off them.
@@ -337,8 +376,10 @@ float SingleCholesky::Impl::factor_dense(const Supernode& s, bool in_tiles) {
 }
 
 /// The matrix's entries, scaled, in the lower triangle of a supernode.
-void SingleCholesky::Impl::take_entries(int node, const BlockView& a, const std::vector<int>& place_in_node) {
+void SingleCholesky::Impl::take_entries(int node, const BlockView& a) {
     const Supernode& s = tree.nodes[at(node)];
+    std::vector<int>& place_in_node = scratch.local().place;
+    for (int r = 0; r < s.rows; ++r) place_in_node[at(tree.rows[s.row_start + at(r)])] = r;
     const std::size_t stride = 3 * at(s.rows);
     float* block = values + s.value_start;
     std::fill_n(block, stride * 3 * at(s.width), 0.0f);
@@ -358,14 +399,11 @@ void SingleCholesky::Impl::take_entries(int node, const BlockView& a, const std:
     }
 }
 
-/// The columns of one supernode; the least pivot.
-float SingleCholesky::Impl::make(int node, const BlockView& a, bool in_tiles) {
+/// The columns of one supernode, which has its entries; the least pivot.
+float SingleCholesky::Impl::make(int node, bool in_tiles) {
     const Supernode& s = tree.nodes[at(node)];
     const int* row = tree.rows.data() + s.row_start;
     const std::size_t first = update_start[at(node)], last = update_start[at(node) + 1];
-    Scratch& here = scratch.local();
-    for (int r = 0; r < s.rows; ++r) here.place[at(row[r])] = r;
-    take_entries(node, a, here.place);
     if (in_tiles && cut_into_tiles(s)) {
         parallel_for(at((s.rows + tile - 1) / tile), 1, [&](std::size_t t) {
             const OneOpenMpThread guard;
@@ -377,11 +415,15 @@ float SingleCholesky::Impl::make(int node, const BlockView& a, bool in_tiles) {
         });
     } else {
         in_tiles = false;
+        Scratch& here = scratch.local();
+        for (int r = 0; r < s.rows; ++r) here.place[at(row[r])] = r;
         for (std::size_t u = first; u < last; ++u) subtract(s, updates[u], 0, s.rows, here);
     }
-    const float pivot = factor_dense(s, in_tiles);
-    if (pivot > 0) shorten(column(s), kept.data() + kept_start[at(node)]);
-    return pivot;
+    return factor_dense(s, in_tiles);
+}
+
+void SingleCholesky::Impl::keep_for_solves(int node) {
+    shorten(column(tree.nodes[at(node)]), kept.data() + kept_start[at(node)]);
 }
 
 BlockColumn SingleCholesky::Impl::column(const Supernode& s) {
@@ -394,7 +436,7 @@ ShortColumn SingleCholesky::Impl::kept_column(int node) const {
 }
 
 /// Solves for a supernode's columns; what they take off rows above the piece (null: s is above itself) is kept there.
-void SingleCholesky::Impl::down(int node, float* own, Piece* piece) {
+void SingleCholesky::Impl::down(int node, float* own, SolvedPiece* piece) {
     const Supernode& s = tree.nodes[at(node)];
     for (int c = 0; c < s.width; ++c) put_row(work[at(s.first + c)], own + 3 * c);
     std::fill(own + 3 * s.width, own + ShortColumn::stride(3 * s.rows), 0.0f);
@@ -452,26 +494,34 @@ bool SingleCholesky::factorize(const BlockView& a) {
     if (!a.finite()) return false;
     f.memory->resize(f.tree.value_count), f.kept.resize(f.kept_start.back());
     f.values = f.memory->data();
-    parallel_for(f.pieces.size(), 1, [&](std::size_t p) {
+    const std::vector<int>& above = f.made.above;
+    // What is above the pieces waits for them, but not to be filled in and put away.
+    parallel_for(f.made.pieces.size() + above.size(), 1, [&](std::size_t p) {
         const OneOpenMpThread guard;
         const FlushDenormals flush;
-        Piece& piece = f.pieces[p];
-        piece.pivot = 1;
+        if (p >= f.made.pieces.size()) return f.take_entries(above[p - f.made.pieces.size()], a);
+        const Subtree& piece = f.made.pieces[p];
+        f.pivots[p] = 1;
         // What other pieces find does not count: what is found must not depend on which comes first.
-        for (int k = piece.first; k < piece.last && piece.pivot > 0; ++k) piece.pivot = f.make(k, a, false);
+        for (int k = piece.first; k < piece.last && f.pivots[p] > 0; ++k) {
+            f.take_entries(k, a);
+            f.pivots[p] = f.make(k, false);
+            if (f.pivots[p] > 0) f.keep_for_solves(k);
+        }
     });
     bool good = true;
-    for (const Piece& piece : f.pieces) {
-        good = good && piece.pivot > 0;
-        f.surely_indefinite = f.surely_indefinite || piece.pivot < -rounding;
+    for (const float pivot : f.pivots) {
+        good = good && pivot > 0;
+        f.surely_indefinite = f.surely_indefinite || pivot < -rounding;
     }
     const OneOpenMpThread guard;
     const FlushDenormals flush;
-    for (std::size_t k = 0; k < f.above.size() && good; ++k) {
-        const float pivot = f.make(f.above[k], a, true);
+    for (std::size_t k = 0; k < above.size() && good; ++k) {
+        const float pivot = f.make(above[k], true);
         good = pivot > 0;
         f.surely_indefinite = pivot < -rounding;
     }
+    parallel_for(good ? above.size() : 0, 1, [&](std::size_t k) { f.keep_for_solves(above[k]); });
     if (working_bytes() > large) f.memory->release();
     return good;
 }
@@ -490,25 +540,26 @@ void SingleCholesky::solve(const double* b, double* x) {
     }
     const FlushDenormals flush;
     const std::vector<Supernode>& nodes = f.tree.nodes;
-    parallel_for(f.pieces.size(), 1, [&](std::size_t p) {
+    parallel_for(f.solved_pieces.size(), 1, [&](std::size_t p) {
         const FlushDenormals flush;
-        Piece& piece = f.pieces[p];
+        SolvedPiece& piece = f.solved_pieces[p];
         std::ranges::fill(piece.above, Float4{});
-        for (int k = piece.first; k < piece.last; ++k) f.down(k, piece.x.data(), &piece);
+        for (int k = f.solved.pieces[p].first; k < f.solved.pieces[p].last; ++k) f.down(k, piece.x.data(), &piece);
     });
-    for (const Piece& piece : f.pieces) {
-        const Supernode& root = nodes[at(piece.last - 1)]; // no other has rows that it has not
+    for (std::size_t p = 0; p < f.solved_pieces.size(); ++p) {
+        const Supernode& root = nodes[at(f.solved.pieces[p].last - 1)]; // no other has rows that it has not
         for (int r = root.width; r < root.rows; ++r) {
             const int row = f.tree.rows[root.row_start + at(r)];
-            f.work[at(row)] += piece.above[at(f.above_place[at(row)])];
+            f.work[at(row)] += f.solved_pieces[p].above[at(f.above_place[at(row)])];
         }
     }
-    for (const int k : f.above) f.down(k, f.x.data(), nullptr);
-    for (std::size_t k = f.above.size(); k-- > 0;) f.up(f.above[k], f.x.data());
-    parallel_for(f.pieces.size(), 1, [&](std::size_t p) {
+    const std::vector<int>& above = f.solved.above;
+    for (const int k : above) f.down(k, f.x.data(), nullptr);
+    for (std::size_t k = above.size(); k-- > 0;) f.up(above[k], f.x.data());
+    parallel_for(f.solved_pieces.size(), 1, [&](std::size_t p) {
         const FlushDenormals flush;
-        Piece& piece = f.pieces[p];
-        for (int k = piece.last; k-- > piece.first;) f.up(k, piece.x.data());
+        float* own = f.solved_pieces[p].x.data();
+        for (int k = f.solved.pieces[p].last; k-- > f.solved.pieces[p].first;) f.up(k, own);
     });
     for (std::size_t k = 0; k < f.work.size(); ++k)
         for (std::size_t c = 0, i = 3 * at(f.tree.order[k]); c < 3; ++c)
