@@ -44,6 +44,9 @@ constexpr int usual_fresh_iterations = 2;
 constexpr double large_factor = 128e6, price_of_memory = 1.5;
 /// Up to here a factor is too cheap for anything else to pay.
 constexpr int small_rows = 200;
+/// Loose bodies whose rigid motions are solved for: of two or less iterations tell as soon, and the matrix of very many,
+/// which is dense, would cost more than it saves.
+constexpr std::size_t fewest_loose = 3, most_loose = 64;
 /// Where there is no factor to fall back on.
 constexpr int most_iterations = 5000;
 /// A direction that is not exact after so many is taken as it is.
@@ -128,15 +131,38 @@ double LinearSolver::hierarchy_cost() const { return costs_.hierarchy + held_cos
 
 double LinearSolver::cycle_cost() const { return costs_.cycle + 2 * held_costs_.factor_solve; }
 
-void LinearSolver::begin_step(std::span<const double> springs, std::span<const double> elastic) {
+void LinearSolver::begin_step(std::span<const double> springs, std::span<const double> elastic,
+                              std::span<const double> places) {
     spent_ = 0, indefinite_ = false;
-    if (std::ranges::equal(springs, springs_) && std::ranges::equal(elastic, elastic_)) return;
-    springs_.assign(springs.begin(), springs.end()), elastic_.assign(elastic.begin(), elastic.end());
+    const bool same_springs = std::ranges::equal(springs, springs_);
+    springs_.assign(springs.begin(), springs.end());
+    if (!same_springs) find_loose_bodies();
+    if (rigid_) rigid_->set_places(places);
+    if (same_springs && std::ranges::equal(elastic, elastic_)) return;
+    elastic_.assign(elastic.begin(), elastic.end());
     HeldRows held = find_held_rows(pattern_, springs, elastic, places_);
     if (held == held_) return;
     held_ = std::move(held);
     held_costs_ = held_costs(pattern_, held_);
     multigrid_.reset(), held_block_.reset();
+}
+
+/// What springs hold does not move as a whole when it is pushed.
+void LinearSolver::find_loose_bodies() {
+    rigid_.reset();
+    if (springs_.empty()) return; // nothing is known of them
+    std::vector<int> number(places_.spacing.size(), 0); // per body; -1: held
+    for (std::size_t i = 0; i < at(pattern_.rows); ++i)
+        for (int e = pattern_.row_start[i]; e < pattern_.row_start[i + 1]; ++e)
+            if (springs_[at(e)] != 0)
+                number[at(places_.body[i])] = number[at(places_.body[at(pattern_.column[at(e)])])] = -1;
+    int loose = 0;
+    for (int& n : number)
+        if (n == 0) n = loose++;
+    if (at(loose) < fewest_loose || at(loose) > most_loose) return;
+    std::vector<int> bodies;
+    for (const int body : places_.body) bodies.push_back(number[at(body)]);
+    rigid_ = std::make_unique<RigidCorrection>(std::move(bodies));
 }
 
 void LinearSolver::rest(std::span<const char> bodies) {
@@ -228,11 +254,14 @@ LinearSolver::precondition_and_iterate(const BlockMatrix& a, const std::vector<d
                                        const ConjugateGradients::Preconditioner& by_pattern) {
     if (a.overlay.empty()) return iterative_->solve(b.data(), x.data(), tolerance, most, by_pattern);
     if (!smoother_) smoother_ = std::make_unique<OverlaySmoother>(iterative_->matrix());
-    if (!smoother_->set_values(a.overlay)) return {0, false, false};
-    const ConjugateGradients::Preconditioner both = [&](const std::vector<double>& in, std::vector<double>& out) {
+    if (!smoother_->set_values(a.overlay) || (rigid_ && !rigid_->set_values(a))) return {0, false, false};
+    const ConjugateGradients::Preconditioner smoothed = [&](const std::vector<double>& in, std::vector<double>& out) {
         smoother_->apply(by_pattern, in, out);
     };
-    return iterative_->solve(b.data(), x.data(), tolerance, most, both);
+    const ConjugateGradients::Preconditioner corrected = [&](const std::vector<double>& in, std::vector<double>& out) {
+        rigid_->apply(smoothed, in, out);
+    };
+    return iterative_->solve(b.data(), x.data(), tolerance, most, rigid_ ? corrected : smoothed);
 }
 
 ConjugateGradients::Result LinearSolver::iterate_with_factor(const BlockMatrix& a, const std::vector<double>& b,

@@ -16,6 +16,7 @@
 #include "solver/linear/linear_method.h"
 #include "solver/linear/multigrid.h"
 #include "solver/linear/overlay_smoother.h"
+#include "solver/linear/rigid_correction.h"
 #include "solver/linear/truncated_newton.h"
 
 #include <memory>
@@ -38,7 +39,8 @@ class LinearSolver {
     /// Puts the factor into it that the next frame is to begin with, if one is still worth it.
     void end_frame(LinearMemory& memory);
     /// A new nonlinear solve: what its iterations cost is counted anew. What holds unknowns: see find_held_rows.
-    void begin_step(std::span<const double> springs, std::span<const double> elastic);
+    /// `places`: where they are, 3 numbers a row.
+    void begin_step(std::span<const double> springs, std::span<const double> elastic, std::span<const double> places);
     /// Flags of the bodies whose rows are those of the identity from here on, and zero in b: no factor is made for
     /// them. Bodies that the pattern couples have the same flag. An empty list: none.
     void rest(std::span<const char> bodies);
@@ -80,6 +82,7 @@ class LinearSolver {
                                        double tolerance, int most);
     int allowed_cycles(int newton_iteration, double solves) const;
     void make_multigrid();
+    void find_loose_bodies();
     ConjugateGradients::Result precondition_and_iterate(const BlockMatrix& a, const std::vector<double>& b,
                                                         std::vector<double>& x, double tolerance, int most,
                                                         const ConjugateGradients::Preconditioner& by_pattern);
@@ -98,6 +101,7 @@ class LinearSolver {
     std::unique_ptr<ConjugateGradients> iterative_; ///< likewise
     std::unique_ptr<Multigrid> multigrid_;          ///< likewise
     std::unique_ptr<OverlaySmoother> smoother_;     ///< likewise
+    std::unique_ptr<RigidCorrection> rigid_;        ///< of bodies that no springs hold; null: too few or too many
     std::unique_ptr<HeldBlock> held_block_;         ///< with multigrid_; null: nothing is held
     TruncatedNewton truncated_;
     bool plain_factors_ = false;
