@@ -44,8 +44,8 @@ constexpr int usual_fresh_iterations = 2;
 constexpr double large_factor = 128e6, price_of_memory = 1.5;
 /// Up to here a factor is too cheap for anything else to pay.
 constexpr int small_rows = 200;
-/// Loose bodies whose rigid motions are solved for: of two or less iterations tell as soon, and the matrix of very many,
-/// which is dense, would cost more than it saves.
+/// Loose bodies whose rigid motions are solved for: of two or less iterations tell as soon, and the matrix of very
+/// many, which is dense, would cost more than it saves.
 constexpr std::size_t fewest_loose = 3, most_loose = 64;
 /// Where there is no factor to fall back on.
 constexpr int most_iterations = 5000;
@@ -150,7 +150,7 @@ void LinearSolver::begin_step(std::span<const double> springs, std::span<const d
 /// What springs hold does not move as a whole when it is pushed.
 void LinearSolver::find_loose_bodies() {
     rigid_.reset();
-    if (springs_.empty()) return; // nothing is known of them
+    if (springs_.empty()) return;                       // nothing is known of them
     std::vector<int> number(places_.spacing.size(), 0); // per body; -1: held
     for (std::size_t i = 0; i < at(pattern_.rows); ++i)
         for (int e = pattern_.row_start[i]; e < pattern_.row_start[i + 1]; ++e)
