@@ -147,22 +147,25 @@ void LinearSolver::begin_step(std::span<const double> springs, std::span<const d
     multigrid_.reset(), held_block_.reset();
 }
 
-/// What springs hold does not move as a whole when it is pushed.
+/// What the springs of attachments hold does not move as a whole when it is pushed.
 void LinearSolver::find_loose_bodies() {
-    rigid_.reset();
-    if (springs_.empty()) return;                       // nothing is known of them
-    std::vector<int> number(places_.spacing.size(), 0); // per body; -1: held
-    for (std::size_t i = 0; i < at(pattern_.rows); ++i)
-        for (int e = pattern_.row_start[i]; e < pattern_.row_start[i + 1]; ++e)
-            if (springs_[at(e)] != 0)
-                number[at(places_.body[i])] = number[at(places_.body[at(pattern_.column[at(e)])])] = -1;
-    int loose = 0;
-    for (int& n : number)
-        if (n == 0) n = loose++;
-    if (at(loose) < fewest_loose || at(loose) > most_loose) return;
-    std::vector<int> bodies;
-    for (const int body : places_.body) bodies.push_back(number[at(body)]);
-    rigid_ = std::make_unique<RigidCorrection>(std::move(bodies));
+    std::vector<int> bodies; // per row
+    if (!springs_.empty()) { // else nothing is known of them
+        std::vector<char> held(places_.spacing.size(), 0);
+        for (std::size_t i = 0; i < at(pattern_.rows); ++i)
+            for (int e = pattern_.row_start[i]; e < pattern_.row_start[i + 1]; ++e)
+                if (springs_[at(e)] != 0)
+                    held[at(places_.body[i])] = held[at(places_.body[at(pattern_.column[at(e)])])] = 1;
+        std::vector<int> number(held.size(), -1);
+        int loose = 0;
+        for (const int body : places_.body) { // those without unknowns are not among them
+            if (number[at(body)] < 0 && !held[at(body)]) number[at(body)] = loose++;
+            bodies.push_back(number[at(body)]);
+        }
+        if (at(loose) < fewest_loose || at(loose) > most_loose) bodies.clear();
+    }
+    if (rigid_ && rigid_->bodies() == bodies) return;
+    rigid_ = bodies.empty() ? nullptr : std::make_unique<RigidCorrection>(std::move(bodies));
 }
 
 void LinearSolver::rest(std::span<const char> bodies) {
@@ -254,14 +257,15 @@ LinearSolver::precondition_and_iterate(const BlockMatrix& a, const std::vector<d
                                        const ConjugateGradients::Preconditioner& by_pattern) {
     if (a.overlay.empty()) return iterative_->solve(b.data(), x.data(), tolerance, most, by_pattern);
     if (!smoother_) smoother_ = std::make_unique<OverlaySmoother>(iterative_->matrix());
-    if (!smoother_->set_values(a.overlay) || (rigid_ && !rigid_->set_values(a))) return {0, false, false};
+    if (!smoother_->set_values(a.overlay)) return {0, false, false};
     const ConjugateGradients::Preconditioner smoothed = [&](const std::vector<double>& in, std::vector<double>& out) {
         smoother_->apply(by_pattern, in, out);
     };
     const ConjugateGradients::Preconditioner corrected = [&](const std::vector<double>& in, std::vector<double>& out) {
         rigid_->apply(smoothed, in, out);
     };
-    return iterative_->solve(b.data(), x.data(), tolerance, most, rigid_ ? corrected : smoothed);
+    const bool corrects = rigid_ && rigid_->set_values(a); // where it does not, iterations say what the matrix is
+    return iterative_->solve(b.data(), x.data(), tolerance, most, corrects ? corrected : smoothed);
 }
 
 ConjugateGradients::Result LinearSolver::iterate_with_factor(const BlockMatrix& a, const std::vector<double>& b,

@@ -4,6 +4,7 @@
 #include "solver/index.h"
 #include "solver/parallel.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -14,6 +15,9 @@ namespace {
 
 /// Rows that are one piece of work.
 constexpr std::size_t piece = 128;
+/// A body whose moment of inertia about some axis is less than this, of its size and of one of its rows, does not
+/// turn about that: its points lie on a line.
+constexpr double least_inertia = 1e-6;
 
 typedef double Double4 __attribute__((vector_size(32)));
 
@@ -75,32 +79,43 @@ RigidCorrection::RigidCorrection(std::vector<int> bodies)
         if (rows_.size() <= at(body_[i])) rows_.resize(at(body_[i]) + 1);
         rows_[at(body_[i])].push_back(static_cast<int>(i));
     }
-    felt_of_.resize(rows_.size()), motion_.resize(rows_.size());
+    felt_of_.resize(rows_.size()), turns_.resize(rows_.size());
+    motion_.resize(rows_.size()), rounded_motion_.resize(rows_.size());
     const auto size = static_cast<Eigen::Index>(6 * rows_.size());
     matrix_.resize(size, size), forces_.resize(size), moved_.resize(size);
 }
 
 void RigidCorrection::set_places(std::span<const double> places) {
-    for (const std::vector<int>& rows : rows_) {
+    for (std::size_t b = 0; b < rows_.size(); ++b) {
         const auto place = [&](int row) { return Eigen::Map<const Vec3>(places.data() + 3 * at(row)); };
         Vec3 middle = Vec3::Zero();
-        for (const int row : rows) middle += place(row) / static_cast<double>(rows.size());
+        for (const int row : rows_[b]) middle += place(row) / static_cast<double>(rows_[b].size());
         double size2 = 0;
-        for (const int row : rows) size2 = std::max(size2, (place(row) - middle).squaredNorm());
+        for (const int row : rows_[b]) size2 = std::max(size2, (place(row) - middle).squaredNorm());
         const double size = size2 > 0 ? std::sqrt(size2) : 1;
-        for (const int row : rows) arm_[at(row)] = (place(row) - middle) / size;
+        Mat3 inertia = Mat3::Zero();
+        for (const int row : rows_[b]) {
+            const Vec3 arm = (place(row) - middle) / size;
+            arm_[at(row)] = arm;
+            inertia += arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose();
+        }
+        Eigen::SelfAdjointEigenSolver<Mat3> axes;
+        axes.computeDirect(inertia, Eigen::EigenvaluesOnly);
+        turns_[b] = axes.eigenvalues()[0] > least_inertia;
+        if (!turns_[b])
+            for (const int row : rows_[b]) arm_[at(row)].setZero();
     }
 }
 
-void RigidCorrection::add_row(const BlockMatrix& a, std::size_t row, Piece& piece) {
+void RigidCorrection::add_row(const BlockMatrix& a, std::size_t row, Piece& out) {
     const BlockPattern& p = *a.pattern;
     Felt own = Felt::Zero();
-    piece.sums.clear();
+    out.sums.clear();
     const auto sum_of = [&](int body) -> Felt& {
         if (body == body_[row]) return own;
-        for (auto& [other, sum] : piece.sums)
-            if (other == body) return sum;
-        return piece.sums.emplace_back(body, Felt(Felt::Zero())).second;
+        for (auto& [other, felt] : out.sums)
+            if (other == body) return felt;
+        return out.sums.emplace_back(body, Felt(Felt::Zero())).second;
     };
     const auto add = [&](int column, const auto& block) {
         if (const int body = body_[at(column)]; body >= 0)
@@ -127,8 +142,13 @@ void RigidCorrection::add_row(const BlockMatrix& a, std::size_t row, Piece& piec
     a.overlay.visit_row(static_cast<int>(row), [&](int column, double factor, const Mat3& block, bool transposed) {
         add(column, transposed ? Mat3(factor * block.transpose()) : Mat3(factor * block));
     });
-    own_[row] = own.cast<float>();
-    for (const auto& [body, sum] : piece.sums) piece.across.push_back({static_cast<int>(row), body, sum.cast<float>()});
+    if (out.sums.empty()) {
+        own_[row] = own.cast<float>();
+        return;
+    }
+    own_[row].setZero();
+    if (moves) out.across.push_back({static_cast<int>(row), body_[row], own});
+    for (const auto& [body, felt] : out.sums) out.across.push_back({static_cast<int>(row), body, felt});
 }
 
 bool RigidCorrection::set_values(const BlockMatrix& a) {
@@ -147,18 +167,20 @@ bool RigidCorrection::set_values(const BlockMatrix& a) {
         const auto own = static_cast<Eigen::Index>(6 * b);
         matrix_.middleRows(own, 6).setZero();
         Eigen::Matrix<double, 6, 6> sum = Eigen::Matrix<double, 6, 6>::Zero();
-        const auto add = [&](const Vec3& arm, const RoundedFelt& felt, auto&& to) {
+        const auto add = [&](const Vec3& arm, const Felt& felt, auto&& to) {
             for (int c = 0; c < 6; ++c) {
-                const Vec3 force = felt.col(c).cast<double>();
+                const Vec3 force = felt.col(c);
                 to.col(c).template head<3>() += force, to.col(c).template tail<3>() += arm.cross(force);
             }
         };
         for (const int row : rows_[b]) {
-            add(arm_[at(row)], own_[at(row)], sum);
+            add(arm_[at(row)], own_[at(row)].cast<double>(), sum);
             for (std::size_t k = across_start_[at(row)]; k < across_start_[at(row) + 1]; ++k)
                 add(arm_[at(row)], across_[k].felt, matrix_.block<6, 6>(own, 6 * across_[k].body));
         }
-        matrix_.block<6, 6>(own, own) += sum;
+        auto block = matrix_.block<6, 6>(own, own);
+        block += sum;
+        if (!turns_[b]) block.bottomRightCorner<3, 3>().setIdentity(); // of no force, and so no motion
     });
     factor_.compute(matrix_);
     return factor_.info() == Eigen::Success;
@@ -168,7 +190,7 @@ bool RigidCorrection::set_values(const BlockMatrix& a) {
 void RigidCorrection::solve_for_motions(Eigen::VectorXd& forces) {
     factor_.solveInPlace(forces);
     for (std::size_t b = 0; b < motion_.size(); ++b)
-        motion_[b] = forces.segment<6>(static_cast<Eigen::Index>(6 * b)).cast<float>();
+        motion_[b] = forces.segment<6>(static_cast<Eigen::Index>(6 * b)), rounded_motion_[b] = motion_[b].cast<float>();
 }
 
 void RigidCorrection::apply(const Inner& inner, const std::vector<double>& r, std::vector<double>& z) {
@@ -185,21 +207,19 @@ void RigidCorrection::apply(const Inner& inner, const std::vector<double>& r, st
     solve_for_motions(moved_);
     rest_.resize(r.size());
     parallel_for(body_.size(), piece, [&](std::size_t i) {
-        Eigen::Vector3f taken = Eigen::Vector3f::Zero();
-        if (body_[i] >= 0) taken = own_[i] * motion_[at(body_[i])];
+        Vec3 taken = Vec3::Zero();
+        if (body_[i] >= 0) taken = (own_[i] * rounded_motion_[at(body_[i])]).cast<double>();
         for (std::size_t k = across_start_[i]; k < across_start_[i + 1]; ++k)
             taken += across_[k].felt * motion_[at(across_[k].body)];
-        Eigen::Map<Vec3>(rest_.data() + 3 * i) = of_row(r, i) - taken.cast<double>();
+        Eigen::Map<Vec3>(rest_.data() + 3 * i) = of_row(r, i) - taken;
     });
     inner(rest_, z);
     // What that leaves of forces on whole bodies: none was left to it.
     parallel_for(rows_.size(), 1, [&](std::size_t b) {
-        Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
-        const auto take_off = [&](const RoundedFelt& felt, std::size_t row) {
-            sum -= (felt.transpose() * of_row(z, row).template cast<float>()).template cast<double>();
-        };
-        for (const int row : rows_[b]) take_off(own_[at(row)], at(row));
-        for (const std::size_t k : felt_of_[b]) take_off(across_[k].felt, at(across_[k].row));
+        Motion sum = Motion::Zero();
+        for (const int row : rows_[b])
+            sum -= (own_[at(row)].transpose() * of_row(z, at(row)).template cast<float>()).template cast<double>();
+        for (const std::size_t k : felt_of_[b]) sum -= across_[k].felt.transpose() * of_row(z, at(across_[k].row));
         forces_.segment<6>(static_cast<Eigen::Index>(6 * b)) = sum;
     });
     solve_for_motions(forces_);

@@ -521,7 +521,10 @@ bool SingleCholesky::factorize(const BlockView& a) {
         good = pivot > 0;
         f.surely_indefinite = pivot < -rounding;
     }
-    parallel_for(good ? above.size() : 0, 1, [&](std::size_t k) { f.keep_for_solves(above[k]); });
+    parallel_for(good ? above.size() : 0, 1, [&](std::size_t k) {
+        const FlushDenormals flush;
+        f.keep_for_solves(above[k]);
+    });
     if (working_bytes() > large) f.memory->release();
     return good;
 }

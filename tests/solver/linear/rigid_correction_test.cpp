@@ -158,6 +158,41 @@ TEST_CASE("rigid correction: of some bodies alone, also where others in the patt
     CHECK_FALSE(correction.set_values(a));
 }
 
+TEST_CASE("rigid correction: points and lines are bodies that do not turn", "[linear]") {
+    const Row row(3);
+    std::vector<int> bodies(std::size_t(3 * Row::rows), -1);
+    MatrixXd z(row.a.pattern->rows * 3, 12);
+    z << row.rigid().leftCols(6), MatrixXd::Zero(z.rows(), 6);
+    std::fill_n(bodies.begin(), Row::rows, 0);
+    const auto add = [&](int at, int body) {
+        bodies[std::size_t(at)] = body;
+        z.block<3, 3>(3 * at, 3 + 3 * body).setIdentity();
+    };
+    add(Row::rows, 1);
+    for (const int i : {0, 1, 2}) add(2 * Row::rows + i, 2);
+    RigidCorrection correction(bodies);
+    correction.set_places(row.where);
+    REQUIRE(correction.set_values(row.a));
+    const MatrixXd a = dense(row.a), one = MatrixXd::Identity(a.rows(), a.cols());
+    const MatrixXd q = z * (z.transpose() * a * z).ldlt().solve(z.transpose());
+    const MatrixXd expected = q + (one - q * a) * (one - a * q);
+    CHECK((as_matrix(correction, one) - expected).norm() < 2e-6 * expected.norm());
+}
+
+TEST_CASE("rigid correction: bodies pressed together a million times as firmly as they are heavy", "[linear]") {
+    Row row(3);
+    for (int i = 0; i < row.pattern.rows; ++i)
+        for (int c = 0; c < 3; ++c)
+            row.a.block(std::size_t(row.pattern.row_start[std::size_t(i)]))[4 * c] += 3e-6 - 0.01;
+    RigidCorrection correction(row.places.body);
+    correction.set_places(row.where);
+    REQUIRE(correction.set_values(row.a));
+    const MatrixXd a = dense(row.a), z = row.rigid(), one = MatrixXd::Identity(a.rows(), a.cols());
+    const MatrixXd m = as_matrix(correction, one);
+    CHECK((m * a * z - z).norm() < 1e-3 * z.norm());
+    CHECK((m - m.transpose()).norm() < 1e-6 * m.norm());
+}
+
 TEST_CASE("rigid correction: the same bits on one thread and on two", "[linear]") {
     const Row row(5);
     const std::vector<double> r = random_numbers(row.where.size(), 4);
@@ -178,11 +213,17 @@ TEST_CASE("bodies that nothing but contact holds are solved for as wholes, held 
     const VectorXd expected = dense(row.a).ldlt().solve(as_vector(b));
     const std::vector<double> elastic(std::size_t(row.pattern.rows), 1.0);
     std::vector<double> springs(row.pattern.block_count(), 0.0), x(b.size());
+    UnknownPlaces places = row.places;
+    places.spacing.insert(places.spacing.begin(), 0.01); // all of that body is held
+    for (int& body : places.body) ++body;
+    std::vector<double> before = row.where; // places that they have left
+    for (std::size_t i = 0; i < before.size(); i += 3) std::swap(before[i], before[i + 2]);
     const auto iterations = [&] {
-        LinearSolver solver(row.pattern, row.places);
+        LinearSolver solver(row.pattern, places);
         LinearMemory memory;
         memory.factor_steps_left = 5;
         solver.begin_frame(memory);
+        solver.begin_step(springs, elastic, before);
         solver.begin_step(springs, elastic, row.where);
         const LinearSolver::Outcome outcome =
             solver.solve(LinearMethod::automatic, row.a, b, x, 1e-6, 0, false, memory);
