@@ -319,7 +319,7 @@ void add_z_solver(Registry& registry) {
     type.base.name = "zSolver";
     // 28: BDF2 begins anew when a body comes on
     // 29: shares of subtissues and painted layers: sides of triangles in sharp folds are known
-    type.base.numerics = 30; // factors are cut otherwise for solves; loose bodies are solved for as wholes
+    type.base.numerics = 30; // solves with a factor add up by other pieces of it
     type.base.machine = solver::machine_numerics();
     type.base.doc = "Simulates soft tissue and cloth: bones move, the others follow by the laws of physics.";
     type.base.inputs = {describe(bodies),

@@ -44,9 +44,6 @@ constexpr int usual_fresh_iterations = 2;
 constexpr double large_factor = 128e6, price_of_memory = 1.5;
 /// Up to here a factor is too cheap for anything else to pay.
 constexpr int small_rows = 200;
-/// Loose bodies whose rigid motions are solved for: of two or less iterations tell as soon, and the matrix of very
-/// many, which is dense, would cost more than it saves.
-constexpr std::size_t fewest_loose = 3, most_loose = 64;
 /// Where there is no factor to fall back on.
 constexpr int most_iterations = 5000;
 /// A direction that is not exact after so many is taken as it is.
@@ -131,41 +128,15 @@ double LinearSolver::hierarchy_cost() const { return costs_.hierarchy + held_cos
 
 double LinearSolver::cycle_cost() const { return costs_.cycle + 2 * held_costs_.factor_solve; }
 
-void LinearSolver::begin_step(std::span<const double> springs, std::span<const double> elastic,
-                              std::span<const double> places) {
+void LinearSolver::begin_step(std::span<const double> springs, std::span<const double> elastic) {
     spent_ = 0, indefinite_ = false;
-    const bool same_springs = std::ranges::equal(springs, springs_);
-    springs_.assign(springs.begin(), springs.end());
-    if (!same_springs) find_loose_bodies();
-    if (rigid_) rigid_->set_places(places);
-    if (same_springs && std::ranges::equal(elastic, elastic_)) return;
-    elastic_.assign(elastic.begin(), elastic.end());
+    if (std::ranges::equal(springs, springs_) && std::ranges::equal(elastic, elastic_)) return;
+    springs_.assign(springs.begin(), springs.end()), elastic_.assign(elastic.begin(), elastic.end());
     HeldRows held = find_held_rows(pattern_, springs, elastic, places_);
     if (held == held_) return;
     held_ = std::move(held);
     held_costs_ = held_costs(pattern_, held_);
     multigrid_.reset(), held_block_.reset();
-}
-
-/// What the springs of attachments hold does not move as a whole when it is pushed.
-void LinearSolver::find_loose_bodies() {
-    std::vector<int> bodies; // per row
-    if (!springs_.empty()) { // else nothing is known of them
-        std::vector<char> held(places_.spacing.size(), 0);
-        for (std::size_t i = 0; i < at(pattern_.rows); ++i)
-            for (int e = pattern_.row_start[i]; e < pattern_.row_start[i + 1]; ++e)
-                if (springs_[at(e)] != 0)
-                    held[at(places_.body[i])] = held[at(places_.body[at(pattern_.column[at(e)])])] = 1;
-        std::vector<int> number(held.size(), -1);
-        int loose = 0;
-        for (const int body : places_.body) { // those without unknowns are not among them
-            if (number[at(body)] < 0 && !held[at(body)]) number[at(body)] = loose++;
-            bodies.push_back(number[at(body)]);
-        }
-        if (at(loose) < fewest_loose || at(loose) > most_loose) bodies.clear();
-    }
-    if (rigid_ && rigid_->bodies() == bodies) return;
-    rigid_ = bodies.empty() ? nullptr : std::make_unique<RigidCorrection>(std::move(bodies));
 }
 
 void LinearSolver::rest(std::span<const char> bodies) {
@@ -258,14 +229,10 @@ LinearSolver::precondition_and_iterate(const BlockMatrix& a, const std::vector<d
     if (a.overlay.empty()) return iterative_->solve(b.data(), x.data(), tolerance, most, by_pattern);
     if (!smoother_) smoother_ = std::make_unique<OverlaySmoother>(iterative_->matrix());
     if (!smoother_->set_values(a.overlay)) return {0, false, false};
-    const ConjugateGradients::Preconditioner smoothed = [&](const std::vector<double>& in, std::vector<double>& out) {
+    const ConjugateGradients::Preconditioner both = [&](const std::vector<double>& in, std::vector<double>& out) {
         smoother_->apply(by_pattern, in, out);
     };
-    const ConjugateGradients::Preconditioner corrected = [&](const std::vector<double>& in, std::vector<double>& out) {
-        rigid_->apply(smoothed, in, out);
-    };
-    const bool corrects = rigid_ && rigid_->set_values(a); // where it does not, iterations say what the matrix is
-    return iterative_->solve(b.data(), x.data(), tolerance, most, corrects ? corrected : smoothed);
+    return iterative_->solve(b.data(), x.data(), tolerance, most, both);
 }
 
 ConjugateGradients::Result LinearSolver::iterate_with_factor(const BlockMatrix& a, const std::vector<double>& b,

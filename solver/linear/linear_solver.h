@@ -4,9 +4,9 @@
 // over to a kept factor for a while: made once, in single precision, it preconditions conjugate gradients on the later
 // matrices of this frame and the next ones, until those take so many iterations that a new one is cheaper. The choice
 // is by counted cost (linear_costs.h), never by the clock. An overlay's share is solved for by conjugate gradients in
-// any case, smoothed around grids or factor (overlay_smoother.h), with loose bodies' motions as wholes solved for
-// around that (rigid_correction.h). A factor that outlives its frame is the state's: a workspace that holds another one
-// makes it again from what stands there, so no result depends on what that happens to hold.
+// any case, smoothed around grids or factor (overlay_smoother.h). A factor that outlives its frame is the state's: a
+// workspace that holds another one makes it again from what stands there, so no result depends on what that happens to
+// hold.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/component_factors.h"
@@ -16,7 +16,6 @@
 #include "solver/linear/linear_method.h"
 #include "solver/linear/multigrid.h"
 #include "solver/linear/overlay_smoother.h"
-#include "solver/linear/rigid_correction.h"
 #include "solver/linear/truncated_newton.h"
 
 #include <memory>
@@ -39,8 +38,7 @@ class LinearSolver {
     /// Puts the factor into it that the next frame is to begin with, if one is still worth it.
     void end_frame(LinearMemory& memory);
     /// A new nonlinear solve: what its iterations cost is counted anew. What holds unknowns: see find_held_rows.
-    /// `places`: where they are as it begins, 3 numbers a row.
-    void begin_step(std::span<const double> springs, std::span<const double> elastic, std::span<const double> places);
+    void begin_step(std::span<const double> springs, std::span<const double> elastic);
     /// Flags of the bodies whose rows are those of the identity from here on, and zero in b: no factor is made for
     /// them. Bodies that the pattern couples have the same flag. An empty list: none.
     void rest(std::span<const char> bodies);
@@ -82,7 +80,6 @@ class LinearSolver {
                                        double tolerance, int most);
     int allowed_cycles(int newton_iteration, double solves) const;
     void make_multigrid();
-    void find_loose_bodies();
     ConjugateGradients::Result precondition_and_iterate(const BlockMatrix& a, const std::vector<double>& b,
                                                         std::vector<double>& x, double tolerance, int most,
                                                         const ConjugateGradients::Preconditioner& by_pattern);
@@ -101,7 +98,6 @@ class LinearSolver {
     std::unique_ptr<ConjugateGradients> iterative_; ///< likewise
     std::unique_ptr<Multigrid> multigrid_;          ///< likewise
     std::unique_ptr<OverlaySmoother> smoother_;     ///< likewise
-    std::unique_ptr<RigidCorrection> rigid_;        ///< of bodies that no springs hold; null: few or very many
     std::unique_ptr<HeldBlock> held_block_;         ///< with multigrid_; null: nothing is held
     TruncatedNewton truncated_;
     bool plain_factors_ = false;

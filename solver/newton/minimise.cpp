@@ -549,17 +549,12 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
               std::vector<double>& x, LinearMemory& memory, StepRecord& record) try {
     w.renewals = 0;
     potential.add_up_springs(w.springs, w.elastic);
+    w.linear.begin_step(w.springs, w.elastic);
     double r = 0;
     const int levels = potential.levels();
     bool definite = false;
-    const double chosen = choose_start(potential, w, x, record);
-    const Numbering& numbering = potential.numbering();
-    w.places.resize(3 * potential.unknown_count());
-    for (std::size_t u = 0; u < potential.unknown_count(); ++u)
-        std::copy_n(x.begin() + 3 * numbering.vertex_of_unknown[u], 3,
-                    w.places.begin() + static_cast<std::ptrdiff_t>(3 * u));
-    w.linear.begin_step(w.springs, w.elastic, w.places);
-    const double start = let_flesh_follow(potential, w, options, chosen, control, x, memory, record);
+    const double start =
+        let_flesh_follow(potential, w, options, choose_start(potential, w, x, record), control, x, memory, record);
     End end = iterate(potential, w, options, start, levels > 0, control, x, memory, definite, record, r);
     if (end == End::stalled) {
         // Nearly incompressible: a straight step along a curved path changes volumes, so the line search allows only

@@ -31,7 +31,6 @@ struct NewtonWorkspace {
     std::vector<double> gradient, direction, trial;
     std::vector<double> gradient_here;    ///< while the one of a model takes its place
     std::vector<double> springs, elastic; ///< see Potential::add_up_springs
-    std::vector<double> places;           ///< of the unknowns, where the solve begins
     std::vector<double> gain;             ///< that the direction promises each tissue [J]
     std::vector<char> carried;            ///< deformables that start from where a hold takes them
     std::vector<char> staying;            ///< that do not start in flight, where others do; scratch

@@ -25,7 +25,7 @@ LinearSolver::Outcome first_solve(int n, int layers, LinearMemory& memory) {
             }
     LinearSolver solver(grid.pattern, grid.places());
     solver.begin_frame(memory);
-    solver.begin_step(springs, std::vector<double>(std::size_t(grid.pattern.rows), 6.0), {});
+    solver.begin_step(springs, std::vector<double>(std::size_t(grid.pattern.rows), 6.0));
     std::vector<double> x;
     const std::vector<double> b = random_numbers(std::size_t(3 * grid.pattern.rows), 1);
     const LinearSolver::Outcome outcome = solver.solve(LinearMethod::automatic, a, b, x, 1e-3, 0, false, memory);

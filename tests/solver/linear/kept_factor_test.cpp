@@ -52,7 +52,7 @@ struct Solved {
 /// A frame of one linear system; the body of `resting` has nothing to do in it.
 Solved frame(LinearSolver& solver, const BlockMatrix& a, LinearMemory& memory, const std::vector<char>& resting = {}) {
     solver.begin_frame(memory);
-    solver.begin_step({}, {}, {});
+    solver.begin_step({}, {});
     solver.rest(resting);
     Solved s;
     std::vector<double> b = random_numbers(std::size_t(3 * a.pattern->rows), 1);
