@@ -136,7 +136,7 @@ struct SingleCholesky::Impl {
     std::vector<int> nodes_of_rows() const;
     void find_updates();
     void find_entries(const BlockPattern& pattern);
-    Cut cut_tree(const std::vector<double>& cost, double share) const;
+    Cut cut_tree(const std::vector<int>& parent, const std::vector<double>& cost, double share) const;
     void find_pieces();
     std::size_t largest_product() const;
     void take_entries(int node, const BlockView& a);
@@ -230,18 +230,17 @@ void SingleCholesky::Impl::find_entries(const BlockPattern& pattern) {
     for_each_entry([&](std::size_t node, const Entry& entry) { entries[next[node]++] = entry; });
 }
 
-/// Cuts the tree where a subtree costs more than a share of all; `cost` is each supernode's own.
-Cut SingleCholesky::Impl::cut_tree(const std::vector<double>& cost, double share) const {
+/// Cuts the tree where a subtree costs more than a share of all; `parent` of a root is -1, `cost` each supernode's own.
+Cut SingleCholesky::Impl::cut_tree(const std::vector<int>& parent, const std::vector<double>& cost,
+                                   double share) const {
     const int count = static_cast<int>(tree.nodes.size());
-    std::vector<int> parent(tree.nodes.size(), -1), first(tree.nodes.size());
+    std::vector<int> first(tree.nodes.size());
     std::vector<double> whole = cost; // with all below it
     std::iota(first.begin(), first.end(), 0);
-    const std::vector<int> node_of = nodes_of_rows();
     // Children come before their parents, and a subtree's supernodes one after another (postorder).
     for (int k = 0; k < count; ++k) {
-        const Supernode& s = tree.nodes[at(k)];
-        if (s.rows == s.width) continue;
-        const int p = parent[at(k)] = node_of[at(tree.rows[s.row_start + at(s.width)])];
+        const int p = parent[at(k)];
+        if (p < 0) continue;
         whole[at(p)] += whole[at(k)];
         first[at(p)] = std::min(first[at(p)], first[at(k)]);
     }
@@ -267,17 +266,22 @@ double time_of_two(const Cut& cut) {
 }
 
 void SingleCholesky::Impl::find_pieces() {
+    const std::vector<int> node_of = nodes_of_rows();
+    std::vector<int> parent(tree.nodes.size(), -1);
     std::vector<double> operations(tree.nodes.size()), numbers(tree.nodes.size());
     for (std::size_t k = 0; k < tree.nodes.size(); ++k) {
         const Supernode& s = tree.nodes[k];
+        if (s.rows > s.width) parent[k] = node_of[at(tree.rows[s.row_start + at(s.width)])];
         for (int c = 0; c < s.width; ++c) operations[k] += double(s.rows - c) * double(s.rows - c);
         numbers[k] = double(s.rows) * double(s.width);
     }
-    made = cut_tree(operations, made_share);
+    made = cut_tree(parent, operations, made_share);
     pivots.resize(made.pieces.size());
-    solved = cut_tree(numbers, solved_shares[0]);
-    for (const double share : solved_shares)
-        if (Cut other = cut_tree(numbers, share); time_of_two(other) < time_of_two(solved)) solved = std::move(other);
+    double least = std::numeric_limits<double>::infinity();
+    for (const double share : solved_shares) {
+        Cut cut = cut_tree(parent, numbers, share);
+        if (const double time = time_of_two(cut); time < least) least = time, solved = std::move(cut);
+    }
     int rows_above = 0;
     above_place.assign(tree.order.size(), -1);
     for (const int k : solved.above)
