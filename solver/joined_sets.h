@@ -13,8 +13,10 @@ namespace sinew::solver {
 class JoinedSets {
   public:
     /// 0 to count - 1, each alone.
-    explicit JoinedSets(std::size_t count)
-        : above_(count) {
+    explicit JoinedSets(std::size_t count = 0) { part(count); }
+    /// Begins anew, with 0 to count - 1.
+    void part(std::size_t count) {
+        above_.resize(count);
         std::iota(above_.begin(), above_.end(), 0);
     }
     /// The lowest number of the set that i is in.

@@ -21,6 +21,17 @@ void Overlay::add_across(std::span<const Carrier> carriers, const std::array<Mat
     add_element(carriers, blocks, true);
 }
 
+void Overlay::hold(const std::vector<char>& rows) {
+    std::size_t kept = 0, next = 0;
+    for (Element& e : elements_) {
+        const std::size_t end = &e == &elements_.back() ? carriers_.size() : (&e + 1)->first_carrier;
+        e.first_carrier = kept;
+        for (; next < end; ++next)
+            if (!rows[at(carriers_[next].row)]) carriers_[kept] = carriers_[next], element_[kept++] = element_[next];
+    }
+    carriers_.resize(kept), element_.resize(kept);
+}
+
 void Overlay::finish(int rows) {
     if (empty()) return;
     forces_.resize(elements_.size());

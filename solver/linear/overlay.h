@@ -29,6 +29,8 @@ class Overlay {
     void add(std::span<const Carrier> carriers, const Blocks& blocks);
     /// An element of which only H between corner 0 and the others is not zero: those of corners 1 to 3.
     void add_across(std::span<const Carrier> carriers, const std::array<Mat3, 3>& blocks);
+    /// Rows whose flag is set, one a row, are moved by nothing: takes what elements have in them away. Before finish.
+    void hold(const std::vector<char>& rows);
     /// After the last element: sorts them by rows.
     void finish(int rows);
     bool empty() const { return elements_.empty(); }
@@ -38,6 +40,9 @@ class Overlay {
     /// block with each column; a column may come several times.
     template <class Visit>
     void visit_row(int row, const Visit& visit) const;
+    /// After finish: calls visit(row, other) for each element's first row with each of its rows.
+    template <class Visit>
+    void visit_couplings(const Visit& visit) const;
     /// y += O x, 3 numbers a row; the same bits for any number of threads.
     void add_product(const double* x, double* y) const;
 
@@ -56,6 +61,12 @@ class Overlay {
     std::vector<int> rows_;                   ///< that have entries
     mutable std::vector<std::array<Vec3, corners>> forces_;
 };
+
+template <class Visit>
+void Overlay::visit_couplings(const Visit& visit) const {
+    for (std::size_t i = 0; i < carriers_.size(); ++i)
+        visit(carriers_[elements_[static_cast<std::size_t>(element_[i])].first_carrier].row, carriers_[i].row);
+}
 
 template <class Visit>
 void Overlay::visit_row(int row, const Visit& visit) const {

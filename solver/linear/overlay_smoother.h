@@ -3,6 +3,8 @@
 // each pressed against something that does not give.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/joined_sets.h"
+#include "solver/linear/coupled_patch.h"
 #include "solver/linear/row_strip.h"
 
 #include <functional>
@@ -24,22 +26,20 @@ class OverlaySmoother {
 
   private:
     void find_rows(const std::vector<int>& rows);
-    void gather(const Overlay& overlay);
-    void relax(std::size_t k);
+    void find_patches(const Overlay& overlay);
 
     const RowBlocks& fine_;
-    std::vector<int> rows_, local_;         ///< those coupled; per row of the whole: its place among them, or -1
-    RowStrip beside_;                       ///< rows that are not coupled: their entries in columns that are
-    RowStrip within_;                       ///< all coupled rows: their entries in columns that are not
-    BlockList coupled_;                     ///< the coupled rows' block of the whole matrix, by their places
-    std::vector<int> row_start_, diagonal_; ///< of it: per row and one past the end, and where its diagonal is
-    std::vector<FloatBlock> inverse_;
-    std::vector<float> right_, x_; ///< of the coupled rows, 3 a row and one of padding
+    std::vector<int> rows_;          ///< those coupled
+    RowStrip beside_;                ///< rows that are not coupled: their entries in columns that are
+    RowStrip within_;                ///< all coupled rows: their entries in columns that are not
+    std::vector<int> coupled_place_; ///< per row of the whole: its place among rows_, or below 0
+    std::vector<int> local_;         ///< likewise: among those of its patch
+    std::vector<CoupledPatch> patches_;
+    std::size_t patch_count_ = 0; ///< of patches_; further ones keep their memory
+    JoinedSets joined_;
+    std::vector<int> patch_of_;  ///< scratch of find_patches: per coupled row
+    std::vector<char> definite_; ///< per patch
     std::vector<double> swept_, rest_;
-    std::vector<int> place_;       ///< scratch of gather: per coupled row, among those below, or -1
-    std::vector<int> columns_;     ///< likewise: of one row
-    std::vector<FloatBlock> sums_; ///< likewise
-    std::vector<float> added_;     ///< to the coupled rows' diagonals: nothing
 };
 
 } // namespace sinew::solver

@@ -352,6 +352,7 @@ void Potential::assemble(const Positions& x, bool project, BlockMatrix& a) {
     if (terms_.empty() || !terms_.front()->writes_all_blocks()) std::fill(a.values.begin(), a.values.end(), 0.0);
     a.overlay.clear();
     for (const auto& term : changing_terms()) term->add_hessian(x, project, a);
+    if (!frozen_.empty()) a.overlay.hold(frozen_unknowns_);
     a.overlay.finish(a.pattern->rows);
     dynamics_.add_hessian(a);
     if (!frozen_.empty()) freeze_rows(a);

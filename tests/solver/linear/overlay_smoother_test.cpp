@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
+#include <tbb/global_control.h>
 
 using namespace sinew::solver;
 using namespace sinew::test;
@@ -150,6 +151,51 @@ TEST_CASE("overlay smoother: follows rows and values that change", "[linear]") {
     };
     const MatrixXd between = down + inverse * (one - k * down), all = between + up * (one - k * between);
     CHECK((as_matrix(smoother, exact, g.size) - all).norm() < 1e-5 * all.norm());
+}
+
+TEST_CASE("overlay smoother: patches that have nothing to do with each other go side by side", "[linear]") {
+    // A row of pairs of grid points that springs tie, far enough from each other that the matrix couples none: more
+    // rows than go in one piece. Every row of a patch must be swept, in its own order.
+    constexpr int n = 12, rows = n * n * n;
+    const GridMatrix grid(n);
+    BlockMatrix a = grid.a;
+    const Mat3 k = 3 * Mat3::Identity();
+    for (int x = 0; x < n; x += 3)
+        for (int y = 0; y < n; y += 3)
+            for (int z = 0; z < n; z += 3) {
+                const int at = x + n * (y + n * z);
+                const Overlay::Carrier carriers[] = {{0, at, 1}, {1, at + 1, 1}, {2, at + 1, 1}, {3, at + 1, 1}};
+                const Mat3 across = -k / 3;
+                Overlay::Blocks blocks;
+                for (Mat3& b : blocks) b.setZero();
+                blocks[0] = k;
+                for (std::size_t c = 1; c < 4; ++c) blocks[c] = across;
+                for (int c = 1; c < 4; ++c)
+                    for (int d = c; d < 4; ++d) blocks[Overlay::block_of(c, d)] = k / 9;
+                a.overlay.add(carriers, blocks);
+            }
+    a.overlay.finish(rows);
+    const std::vector<int>& coupled = a.overlay.rows();
+    REQUIRE(coupled.size() == 128);
+    std::vector<int> source;
+    std::vector<FloatBlock> sums;
+    RowBlocks fine = make_row_blocks(grid.pattern, source);
+    copy_blocks(a, source, fine, sums);
+    OverlaySmoother smoother(fine);
+    REQUIRE(smoother.set_values(a.overlay));
+    const MatrixXd whole = dense(a);
+    const MatrixXd down = two_sweeps(whole, coupled, false), up = two_sweeps(whole, coupled, true);
+    const auto nothing = [](const std::vector<double>&, std::vector<double>& z) { std::fill(z.begin(), z.end(), 0.0); };
+    std::vector<double> z(3 * rows), again(3 * rows);
+    const std::vector<double> r = random_numbers(3 * rows, 6);
+    const VectorXd swept = down * as_vector(r), expected = swept + up * (as_vector(r) - whole * swept);
+    {
+        const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+        smoother.apply(nothing, r, z);
+    }
+    CHECK((as_vector(z) - expected).norm() < 1e-5 * expected.norm());
+    smoother.apply(nothing, r, again);
+    CHECK(z == again);
 }
 
 TEST_CASE("overlay smoother: what springs of a hundred times the stiffness around them couple takes few iterations",

@@ -108,3 +108,29 @@ TEST_CASE("every method solves with an overlay, at the same bits for any number 
         CHECK((as_vector(x) - stiff).norm() < 1e-3 * stiff.norm());
     }
 }
+
+TEST_CASE("an overlay gives rows that are held nothing, and others what they had among themselves", "[linear]") {
+    const BlockPattern pattern = make_pattern(6, {});
+    BlockMatrix a(pattern);
+    const Overlay::Carrier first[] = {{0, 0, .25}, {0, 4, .75}, {1, 1, 1}, {2, 2, 1}, {3, 5, 1}},
+                           second[] = {{0, 3, 1}, {1, 4, 1}, {2, 4, 1}, {3, 4, 1}},
+                           last[] = {{0, 4, 1}, {1, 1, 1}, {2, 3, 1}, {3, 5, 1}};
+    a.overlay.add(first, spring(Mat3(Vec3(1, 2, 3).asDiagonal())));
+    a.overlay.add(second, spring(5 * Mat3::Identity()));
+    a.overlay.add_across(last, {Mat3::Identity(), Mat3::Identity(), Mat3::Identity()});
+    BlockMatrix whole(a);
+    whole.overlay.finish(6);
+    a.overlay.hold({0, 1, 0, 0, 1, 0});
+    a.overlay.finish(6);
+    MatrixXd expected = dense(whole);
+    for (const Eigen::Index held : {1, 4})
+        expected.middleRows(3 * held, 3).setZero(), expected.middleCols(3 * held, 3).setZero();
+    CHECK(expected(0, 0) == Approx(0.0625));
+    CHECK(expected(9, 9) == Approx(5));
+    CHECK((dense(a) - expected).norm() < 1e-14);
+    CHECK(a.overlay.rows() == std::vector<int>{0, 2, 3, 5});
+    const std::vector<double> x = random_numbers(18, 3);
+    std::vector<double> y(18);
+    multiply(a, x.data(), y.data());
+    CHECK((as_vector(y) - expected * as_vector(x)).norm() < 1e-14);
+}

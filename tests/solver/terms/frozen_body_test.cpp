@@ -1,0 +1,94 @@
+// What touches a body that is switched off, or is attached to it, moves as against a bone of the same shape.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/terms/sliding/sliding.h"
+#include "tests/support/contact_parts.h"
+#include "tests/support/solver_scenes.h"
+
+#include <catch2/catch.hpp>
+
+using namespace sinew::solver;
+using namespace sinew::test;
+
+namespace {
+
+enum class Tie { contact, fixed, sliding };
+
+/// A block above the middle of a slab that does not move: a bone, or tissue that nothing holds and that is off.
+struct OnSlab {
+    SceneDescription description;
+    StepInputs in = still_inputs();
+    std::shared_ptr<const Scene> scene;
+    std::unique_ptr<Workspace> workspace;
+    State state;
+    int newton = 0;
+
+    OnSlab(Tie tie, ElementKind kind, bool of_bone) {
+        const auto box = [&](const Vec3& size, const Vec3& corner, int n) {
+            TetMesh mesh = box_mesh(size, n, n, n);
+            for (Vec3& p : mesh.vertices) p += corner;
+            auto out = tissue(mesh, ElasticLaw::neo_hookean);
+            out->element = kind;
+            return out;
+        };
+        const auto block = box(Vec3::Constant(0.1), {0.11, 0.101, 0.09}, 3);
+        const auto slab = box({0.3, 0.1, 0.3}, Vec3::Zero(), 5);
+        description.bodies = {block};
+        in.bodies = {material(3e4, 0.3)};
+        if (of_bone) {
+            description.bodies.emplace_back(bone(slab->surface, slab->triangles));
+            in.bodies.emplace_back(BoneInputs{slab->surface});
+        } else {
+            TissueInputs off = material(3e4, 0.3);
+            off.enable = 0;
+            description.bodies.emplace_back(slab);
+            in.bodies.emplace_back(off);
+        }
+        in.gravity = Vec3(0.5, -9.8, 0.2);
+        in.step_size = 1.0 / 48;
+        if (tie == Tie::contact) {
+            ContactValues values;
+            values.stiffness = 1e7, values.friction = 0.2;
+            let_collide(description, in, 2, values);
+            return;
+        }
+        AttachmentRest a;
+        a.source = 0, a.target = 1;
+        for (const Vec3& p : block->surface) a.source_weights.push_back(p.y() < 0.1011 ? 1 : 0);
+        description.attachments = {a};
+        in.attachments = {{1e7, 1, 0}};
+        if (tie == Tie::sliding) in.attachments[0].set_mode(AttachmentMode::sliding);
+    }
+    void step(int count) {
+        if (!workspace) {
+            scene = std::make_shared<const Scene>(description);
+            workspace = std::make_unique<Workspace>(scene);
+            state = initial_state(*scene, in);
+        }
+        for (int i = 0; i < count; ++i) {
+            state = advance(*workspace, state, std::span(&in, 1));
+            REQUIRE(state.record.converged);
+            newton += state.record.newton_iterations;
+        }
+    }
+};
+
+} // namespace
+
+TEST_CASE("a body that is off is to what touches it or is attached to it as a bone is", "[contact][sliding]") {
+    for (const Tie tie : {Tie::contact, Tie::fixed, Tie::sliding})
+        for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
+            INFO(static_cast<int>(tie) << " " << static_cast<int>(kind));
+            OnSlab bone(tie, kind, true), off(tie, kind, false);
+            bone.step(15), off.step(15);
+            double apart = 0, moved = 0;
+            for (std::size_t v = 0; v < off.scene->vertex_count(0); ++v) {
+                const Vec3 there = position(off.state, static_cast<int>(v));
+                apart = std::max(apart, (there - position(bone.state, static_cast<int>(v))).norm());
+                moved = std::max(moved, (there - off.scene->tissue(0)->tets.vertices[v]).norm());
+            }
+            CHECK(moved > 1e-3);
+            CHECK(apart < 1e-6 * moved);
+            // Newton would not go straight to it if the body that is off gave way in the matrix.
+            CHECK(off.newton <= bone.newton + 2);
+        }
+}
