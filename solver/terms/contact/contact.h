@@ -222,6 +222,8 @@ class Contacts final : public Term {
     bool on_edges_ = false;                 ///< keep_to_edges
     std::vector<Force> forces_, tether_forces_;
     std::vector<PointTriangleElement> elements_, tether_elements_; ///< kept for their room
+    std::vector<std::size_t> pressing_;                            ///< scratch of forces: touches that press
+    std::vector<PointTriangleBlocks> blocks_;                      ///< likewise: of each of them
     std::vector<Tether> tethers_; ///< of contacts of the state, then of touches that came in within the step, in order
     std::size_t first_ties_ = 0;  ///< where the latter begin
     std::vector<Tether> ties_before_; ///< scratch: the ties of the renewal before

@@ -370,13 +370,17 @@ double Contacts::energy(const Positions& x, bool with_forces) {
     const double energy = evaluate(x, true);
     if (!with_forces) return energy;
     gradient_.clear(x.size());
-    for (std::size_t i = 0; i < touches_.size(); ++i) {
-        if (forces_[i].by_point.isZero(0)) continue;
+    pressing_.clear();
+    for (std::size_t i = 0; i < touches_.size(); ++i)
+        if (!forces_[i].by_point.isZero(0)) pressing_.push_back(i);
+    parallel_for(pressing_.size(), 64, [&](std::size_t k) {
+        const std::size_t i = pressing_[k];
         const Touch& t = touches_[i];
         elements_[i].set_nodes(bodies_[t.source].free_ride(t.point), bodies_[t.target], now_[i].triangle,
                                scene_.numbering());
+    });
+    for (const std::size_t i : pressing_)
         elements_[i].add_gradient(corner_weights_of(now_[i].place), forces_[i].by_point, gradient_.data());
-    }
     add_tether_forces();
     add_cloth_forces();
     return energy;
@@ -385,22 +389,27 @@ double Contacts::energy(const Positions& x, bool with_forces) {
 void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
     if (as_before_) return add_carried_hessian(x, a);
     find_features(x);
-    for (std::size_t i = 0; i < touches_.size(); ++i) {
+    pressing_.clear();
+    for (std::size_t i = 0; i < touches_.size(); ++i)
+        if (now_[i].triangle >= 0 && presses(i, press(i, now_[i]).depth)) pressing_.push_back(i);
+    blocks_.resize(pressing_.size());
+    parallel_for(pressing_.size(), 16, [&](std::size_t k) {
+        const std::size_t i = pressing_[k];
         const Touch& t = touches_[i];
         const ClosestFeature& f = now_[i];
-        if (f.triangle < 0) continue;
         const Press pressed = press(i, f);
-        if (!presses(i, pressed.depth)) continue;
         elements_[i].set(bodies_[t.source].free_ride(t.point), bodies_[t.target], f.triangle, scene_.numbering(),
                          *pattern_);
         const std::array<Vec3, 3> corners = bodies_[t.target].corners(f.triangle, places_[at(t.target)]);
-        const PointTriangleBlocks blocks =
-            pair_of(i).range > 0
-                ? thick_hessian(corners, f.place, f.away, pressed.out, pressed.depth, pair_of(i).range, project)
-                : point_triangle_hessian(corners, f.place, f.away, project);
-        if (!elements_[i].coupled() && is_strong(elements_[i], f.place, stiffness(i), a))
+        blocks_[k] = pair_of(i).range > 0 ? thick_hessian(corners, f.place, f.away, pressed.out, pressed.depth,
+                                                          pair_of(i).range, project)
+                                          : point_triangle_hessian(corners, f.place, f.away, project);
+    });
+    for (std::size_t k = 0; k < pressing_.size(); ++k) {
+        const std::size_t i = pressing_[k];
+        if (!elements_[i].coupled() && is_strong(elements_[i], now_[i].place, stiffness(i), a))
             strong_[pair_of_touch_[i]] = 1;
-        elements_[i].add_hessian(blocks, stiffness(i), a);
+        elements_[i].add_hessian(blocks_[k], stiffness(i), a);
     }
     add_tether_hessian(a);
     add_cloth_hessian(project, a);
