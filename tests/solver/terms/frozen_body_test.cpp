@@ -87,5 +87,6 @@ TEST_CASE("a body that is off is to what touches it or is attached to it as one 
             CHECK(off.newton <= held.newton + 2);
             OnSlab of_two(tie, kind, ElementKind::quadratic, false);
             of_two.step(15);
+            CHECK(2 * of_two.newton < 3 * held.newton);
         }
 }
