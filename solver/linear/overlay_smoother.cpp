@@ -10,7 +10,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::size_t grain = 256;
+constexpr std::size_t grain = 128;
 /// Patches of fewer rows are not worth a piece of work of their own.
 constexpr int least_rows = 48;
 /// One sweep each way takes a third more iterations than two, four save a seventh.
@@ -101,13 +101,13 @@ void OverlaySmoother::apply(const Inner& inner, const std::vector<double>& r, st
                 patch.right[3 * k + c] = static_cast<float>(r[3 * at(patch.rows[k]) + c]);
         patch.start_from_zero();
         for (int s = 0; s < sweeps; ++s) patch.sweep_down(s == 0);
-        for (std::size_t k = 0; k < count; ++k) {
+        parallel_for(count, grain, [&](std::size_t k) {
             const Float4 sum = patch.product(k);
             for (std::size_t c = 0; c < 3; ++c) {
                 const std::size_t i = 3 * at(patch.rows[k]) + c;
                 rest_[i] -= static_cast<double>(sum[c]), swept_[i] = static_cast<double>(patch.x[3 * k + c]);
             }
-        }
+        });
     });
     parallel_for(beside_.rows.size(), grain, [&](std::size_t k) {
         const Vec3 p = beside_.product(fine_, k, swept_);
@@ -123,13 +123,13 @@ void OverlaySmoother::apply(const Inner& inner, const std::vector<double>& r, st
                 own += swept_[3 * at(patch.rows[k]) + c];
                 patch.x[3 * k + c] = static_cast<float>(own);
             }
-        for (std::size_t k = 0; k < count; ++k) {
+        parallel_for(count, grain, [&](std::size_t k) {
             const Float4 own = patch.product(k);
             // Rows that are not coupled, so that no patch changes them.
             const Vec3 others = within_.product(fine_, at(coupled_place_[at(patch.rows[k])]), z);
             for (std::size_t c = 0; c < 3; ++c)
                 patch.right[3 * k + c] -= own[c] + static_cast<float>(others[static_cast<Eigen::Index>(c)]);
-        }
+        });
         patch.start_from_zero();
         for (int s = 0; s < sweeps; ++s) patch.sweep_up(s == 0);
         for (std::size_t k = 0; k < count; ++k)

@@ -3,6 +3,7 @@
 
 #include "solver/error.h"
 #include "solver/index.h"
+#include "solver/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +22,7 @@ constexpr Measure measures[] = {
 constexpr auto value_names = field_names<ContactValues>();
 
 void tidy(std::vector<CoupledCarriers>& pairs) {
-    std::sort(pairs.begin(), pairs.end());
+    parallel_sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
 

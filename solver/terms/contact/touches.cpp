@@ -89,8 +89,9 @@ void TouchSearch::bring_up_to_date(const ContactPair& pair) {
     of_pair.step = step_;
     const Points &now = boxes_[at(pair.source)].places(), &last = last_[at(pair.source)];
     const BodyMotion& target = behind_[at(pair.target)];
-    for (std::size_t p = 0; p < of_pair.points.size(); ++p)
+    parallel_for(of_pair.points.size(), 256, [&](std::size_t p) {
         of_pair.points[p].distance -= (target.seen(now[p]) - last[p]).norm() + target.farthest();
+    });
     of_pair.points.resize(now.size());
 }
 
