@@ -13,9 +13,9 @@ namespace sinew::solver {
 class JoinedSets {
   public:
     /// 0 to count - 1, each alone.
-    explicit JoinedSets(std::size_t count = 0) { part(count); }
+    explicit JoinedSets(std::size_t count = 0) { reset(count); }
     /// Begins anew, with 0 to count - 1.
-    void part(std::size_t count) {
+    void reset(std::size_t count) {
         above_.resize(count);
         std::iota(above_.begin(), above_.end(), 0);
     }

@@ -154,13 +154,16 @@ void measure(Workspace::Impl& impl) {
 }
 
 /// One time step. Takes it, and returns true, if it has converged or `anyhow`; else, and where it throws, `s` stays
-/// where it was (its acceleration may be filled in). What it did is in `record`.
+/// where it was (its acceleration may be filled in, and what is switched off stands). What it did is in `record`.
 bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std::vector<Points>& bones, bool anyhow,
                const StepControl& control, StepRecord& record) {
     const double h = in.step_size;
     LinearMemory memory = s.linear;
     if (memory.factor_steps_left > 0) --memory.factor_steps_left;
     impl.potential.begin_step(s, in);
+    // What is switched off stands, whatever it did before, and brakes and drags what touches it as one that stood.
+    impl.potential.stop_frozen(s.v), impl.potential.stop_frozen(s.history.v);
+    if (!s.history.x.empty()) impl.potential.put_frozen_back(s.x, s.history.x);
     impl.x = s.x;
     DampedVelocity damped(impl, s, in);
     switch (in.integrator) {

@@ -12,8 +12,8 @@ namespace sinew::solver {
 class CoupledPatch {
   public:
     std::vector<int> rows; ///< of the matrix
-    /// Takes the block's values; `local`: per row of the matrix its place among `rows`, or, of others than those, below
-    /// zero. False: a row's own block is not positive definite.
+    /// Takes the block's values; `local`: per row of the matrix its place among `rows`, or below zero where it is in no
+    /// patch. No row here is coupled with one of another patch. False: a row's own block is not positive definite.
     bool set_values(const RowBlocks& fine, const Overlay& overlay, const std::vector<int>& local);
 
     std::vector<float> right, x; ///< 3 a row and one of padding

@@ -22,14 +22,33 @@ void Overlay::add_across(std::span<const Carrier> carriers, const std::array<Mat
 }
 
 void Overlay::hold(const std::vector<char>& rows) {
-    std::size_t kept = 0, next = 0;
-    for (Element& e : elements_) {
-        const std::size_t end = &e == &elements_.back() ? carriers_.size() : (&e + 1)->first_carrier;
-        e.first_carrier = kept;
-        for (; next < end; ++next)
-            if (!rows[at(carriers_[next].row)]) carriers_[kept] = carriers_[next], element_[kept++] = element_[next];
+    std::size_t kept = 0, kept_carriers = 0, next = 0;
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+        const Element element = elements_[e];
+        const std::size_t first = kept_carriers,
+                          end = e + 1 < elements_.size() ? elements_[e + 1].first_carrier : carriers_.size();
+        std::array<bool, corners> moves{};
+        for (; next < end; ++next) {
+            const Carrier& c = carriers_[next];
+            if (rows[at(c.row)]) continue;
+            moves[at(c.corner)] = true;
+            carriers_[kept_carriers] = c, element_[kept_carriers++] = static_cast<int>(kept);
+        }
+        if (couples(element, moves))
+            elements_[kept++] = {first, element.first_block, element.across};
+        else
+            kept_carriers = first;
     }
-    carriers_.resize(kept), element_.resize(kept);
+    elements_.resize(kept), carriers_.resize(kept_carriers), element_.resize(kept_carriers);
+}
+
+/// Whether it has a block between corners that move.
+bool Overlay::couples(const Element& element, const std::array<bool, corners>& moves) const {
+    const Mat3* block = blocks_.data() + element.first_block;
+    for (std::size_t i = 0; i < (element.across ? 1 : corners); ++i)
+        for (std::size_t j = i + (element.across ? 1 : 0); j < corners; ++j, ++block)
+            if (moves[i] && moves[j] && !block->isZero(0)) return true;
+    return false;
 }
 
 void Overlay::finish(int rows) {

@@ -29,7 +29,8 @@ class Overlay {
     void add(std::span<const Carrier> carriers, const Blocks& blocks);
     /// An element of which only H between corner 0 and the others is not zero: those of corners 1 to 3.
     void add_across(std::span<const Carrier> carriers, const std::array<Mat3, 3>& blocks);
-    /// Rows whose flag is set, one a row, are moved by nothing: takes what elements have in them away. Before finish.
+    /// Rows whose flag is set, one a row, are moved by nothing: takes what elements have in them away, and elements
+    /// of which nothing is left. Before finish.
     void hold(const std::vector<char>& rows);
     /// After the last element: sorts them by rows.
     void finish(int rows);
@@ -51,6 +52,7 @@ class Overlay {
         std::size_t first_carrier, first_block;
         bool across; ///< 3 blocks, else 10
     };
+    bool couples(const Element& element, const std::array<bool, corners>& moves) const;
     void add_element(std::span<const Carrier> carriers, std::span<const Mat3> blocks, bool across);
 
     std::vector<Element> elements_;           ///< one more after finish

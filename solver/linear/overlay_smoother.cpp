@@ -51,32 +51,33 @@ void OverlaySmoother::find_rows(const std::vector<int>& rows) {
     }
 }
 
-/// Rows that the matrix couples are in one patch, small patches in one with those after them.
+/// Rows that the matrix couples, be it through others, are a set. A set is in one patch as a whole; those that come
+/// next go into the same one until it has enough rows.
 void OverlaySmoother::find_patches(const Overlay& overlay) {
     const std::size_t count = rows_.size();
-    joined_.part(count);
-    overlay.visit_couplings([&](int i, int j) { joined_.join(coupled_place_[at(i)], coupled_place_[at(j)]); });
+    sets_.reset(count);
+    overlay.visit_couplings([&](int i, int j) { sets_.join(coupled_place_[at(i)], coupled_place_[at(j)]); });
     for (std::size_t k = 0; k < count; ++k)
-        for (int e = fine_.lower_start[at(rows_[k])]; e < fine_.lower_start[at(rows_[k]) + 1]; ++e)
-            if (const int other = coupled_place_[at(fine_.column[at(e)])]; other >= 0)
-                joined_.join(static_cast<int>(k), other);
-    // How many rows each has, at its lowest one, which is its root.
-    patch_of_.assign(count, 0);
-    for (std::size_t k = 0; k < count; ++k) ++patch_of_[at(joined_.root(static_cast<int>(k)))];
+        for (int e = fine_.lower_start[at(rows_[k])]; e < fine_.lower_start[at(rows_[k]) + 1]; ++e) {
+            const int other = coupled_place_[at(fine_.column[at(e)])];
+            if (other >= 0) sets_.join(static_cast<int>(k), other);
+        }
+    rows_at_.assign(count, 0), patch_at_.assign(count, -1);
+    for (std::size_t k = 0; k < count; ++k) ++rows_at_[at(sets_.root(static_cast<int>(k)))];
     patch_count_ = 0;
-    int room = 0;
+    int missing = 0; // in the last patch
     for (std::size_t k = 0; k < count; ++k) {
-        const int root = joined_.root(static_cast<int>(k));
-        if (at(root) == k) {
-            if (room <= 0) {
+        const std::size_t root = at(sets_.root(static_cast<int>(k)));
+        if (root == k) { // its lowest row
+            if (missing <= 0) {
                 if (patches_.size() == patch_count_) patches_.emplace_back();
                 patches_[patch_count_++].rows.clear();
-                room = least_rows;
+                missing = least_rows;
             }
-            room -= patch_of_[k];
-            patch_of_[k] = static_cast<int>(patch_count_) - 1;
+            missing -= rows_at_[k];
+            patch_at_[k] = static_cast<int>(patch_count_) - 1;
         }
-        std::vector<int>& rows = patches_[at(patch_of_[at(root)])].rows;
+        std::vector<int>& rows = patches_[at(patch_at_[root])].rows;
         local_[at(rows_[k])] = static_cast<int>(rows.size());
         rows.push_back(rows_[k]);
     }

@@ -36,9 +36,9 @@ class OverlaySmoother {
     std::vector<int> local_;         ///< likewise: among those of its patch
     std::vector<CoupledPatch> patches_;
     std::size_t patch_count_ = 0; ///< of patches_; further ones keep their memory
-    JoinedSets joined_;
-    std::vector<int> patch_of_;  ///< scratch of find_patches: per coupled row
-    std::vector<char> definite_; ///< per patch
+    JoinedSets sets_;
+    std::vector<int> rows_at_, patch_at_; ///< scratch of find_patches: per coupled row that is its set's root
+    std::vector<char> definite_;          ///< per patch
     std::vector<double> swept_, rest_;
 };
 

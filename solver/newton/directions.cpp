@@ -59,6 +59,7 @@ double find_truncated(Potential& potential, NewtonWorkspace& w, const NewtonOpti
     if (!good) return 0;
     definite = outcome.definite;
     for (double& d : w.direction) d = -d;
+    potential.stop_frozen_unknowns(w.direction);
     return dot(w.gradient, w.direction);
 }
 
@@ -81,6 +82,7 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOpti
         record.seconds_solve += outcome.seconds_solve;
         if (!outcome.definite) continue;
         for (double& d : w.direction) d = -d;
+        potential.stop_frozen_unknowns(w.direction);
         slope = dot(w.gradient, w.direction);
         if (slope < 0) break;
     }

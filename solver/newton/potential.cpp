@@ -131,6 +131,8 @@ void Potential::stop_frozen(Positions& v) const {
     }
 }
 
+void Potential::stop_frozen_unknowns(std::vector<double>& direction) const { clear(numbering_, frozen_, direction); }
+
 void Potential::put_frozen_back(const Positions& from, Positions& x) const {
     for (std::size_t d = 0; d < frozen_.size(); ++d) {
         const Deformable& body = numbering_.deformables[d];
@@ -352,6 +354,7 @@ void Potential::assemble(const Positions& x, bool project, BlockMatrix& a) {
     if (terms_.empty() || !terms_.front()->writes_all_blocks()) std::fill(a.values.begin(), a.values.end(), 0.0);
     a.overlay.clear();
     for (const auto& term : changing_terms()) term->add_hessian(x, project, a);
+    // Nothing moves them here either, see freeze_rows: else others would press on what gives way.
     if (!frozen_.empty()) a.overlay.hold(frozen_unknowns_);
     a.overlay.finish(a.pattern->rows);
     dynamics_.add_hessian(a);

@@ -46,6 +46,8 @@ class Potential {
     bool lets_go(const std::vector<char>& frozen_before) const;
     /// Sets v, 3 a vertex, to zero where bodies are frozen (TissueInputs::enable).
     void stop_frozen(Positions& v) const;
+    /// The same of a direction, 3 an unknown: what was solved with a factor of other times may lead anywhere.
+    void stop_frozen_unknowns(std::vector<double>& direction) const;
     /// Puts their vertices to where they are in `from`.
     void put_frozen_back(const Positions& from, Positions& x) const;
     /// Takes other values than those of begin_step for what follows; they may not change the structure.

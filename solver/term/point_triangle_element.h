@@ -36,7 +36,7 @@ class PointTriangleElement {
     /// overlay.
     void add_hessian(const PointTriangleBlocks& blocks, double factor, BlockMatrix& a) const;
     /// The diagonal that the matrix has where the two sides are, mean over directions and weighed by `by_corners` and
-    /// what carries them [N/m]; infinite where it is held.
+    /// what carries them [N/m]; 0 where it is held.
     std::array<double, 2> stiffness_below(const std::array<double, 4>& by_corners, const BlockMatrix& a) const;
 
   private:

@@ -98,6 +98,9 @@ class Contacts final : public Term {
     /// Where nothing but momentum leads, and bones are.
     const double* carriers_expected(int body) const;
     const ContactPair& pair_of(std::size_t touch) const { return pairs_[pair_of_touch_[touch]]; }
+    /// Whether a body is switched off: what it is tied to is not coupled with it.
+    bool stands(int body) const;
+    bool moves(std::size_t touch) const { return !stands(touches_[touch].source) && !stands(touches_[touch].target); }
     Vec3 point_at(const Touch& t) const { return places_[at(t.source)][at(t.point)]; }
     Vec3 place_at(int target, int triangle, const Vec3& place) const;
     void place_points(int body, const double* carriers) const;
@@ -222,8 +225,8 @@ class Contacts final : public Term {
     bool on_edges_ = false;                 ///< keep_to_edges
     std::vector<Force> forces_, tether_forces_;
     std::vector<PointTriangleElement> elements_, tether_elements_; ///< kept for their room
-    std::vector<std::size_t> pressing_;                            ///< scratch of forces: touches that press
-    std::vector<PointTriangleBlocks> blocks_;                      ///< likewise: of each of them
+    std::vector<std::size_t> pressing_;       ///< scratch of energy and add_hessian: touches that press
+    std::vector<PointTriangleBlocks> blocks_; ///< likewise: of each of them
     std::vector<Tether> tethers_; ///< of contacts of the state, then of touches that came in within the step, in order
     std::size_t first_ties_ = 0;  ///< where the latter begin
     std::vector<Tether> ties_before_; ///< scratch: the ties of the renewal before

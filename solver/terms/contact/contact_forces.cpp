@@ -61,6 +61,10 @@ const double* Contacts::carriers_expected(int body) const {
     return stage_->form.mass_factor > 0 ? stage_->form.target.data() : carriers_before(body);
 }
 
+bool Contacts::stands(int body) const {
+    return bodies_[body].deforms() && is_frozen(stage_->inputs.bodies[at(bodies_[body].body())]);
+}
+
 Vec3 Contacts::place_at(int target, int triangle, const Vec3& place) const {
     const std::array<Vec3, 3> c = bodies_[target].corners(triangle, places_[at(target)]);
     return place[0] * c[0] + place[1] * c[1] + place[2] * c[2];
@@ -405,9 +409,10 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
                                                           pair_of(i).range, project)
                                           : point_triangle_hessian(corners, f.place, f.away, project);
     });
+    // Touches share entries, and what is strong is so beside what was added before.
     for (std::size_t k = 0; k < pressing_.size(); ++k) {
         const std::size_t i = pressing_[k];
-        if (!elements_[i].coupled() && is_strong(elements_[i], now_[i].place, stiffness(i), a))
+        if (moves(i) && !elements_[i].coupled() && is_strong(elements_[i], now_[i].place, stiffness(i), a))
             strong_[pair_of_touch_[i]] = 1;
         elements_[i].add_hessian(blocks_[k], stiffness(i), a);
     }
@@ -426,7 +431,8 @@ void Contacts::add_tether_hessian(BlockMatrix& a) {
         PointTriangleBlocks blocks;
         for (Mat3& block : blocks) block.setZero();
         add_square(tether.place, by_way, blocks);
-        if (!tether_elements_[i].coupled() && is_strong(tether_elements_[i], tether.place, tether.spring.stiffness, a))
+        if (moves(tether.touch) && !tether_elements_[i].coupled() &&
+            is_strong(tether_elements_[i], tether.place, tether.spring.stiffness, a))
             strong_[pair_of_touch_[tether.touch]] = 1;
         tether_elements_[i].add_hessian(blocks, 1, a);
     }

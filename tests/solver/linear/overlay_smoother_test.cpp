@@ -153,49 +153,78 @@ TEST_CASE("overlay smoother: follows rows and values that change", "[linear]") {
     CHECK((as_matrix(smoother, exact, g.size) - all).norm() < 1e-5 * all.norm());
 }
 
-TEST_CASE("overlay smoother: patches that have nothing to do with each other go side by side", "[linear]") {
-    // Pairs of grid points that springs tie, in rows that the grid couples, which are far enough from each other that
-    // nothing couples those: three rows go in one piece.
-    constexpr int n = 9, rows = n * n * n;
-    const GridMatrix grid(n);
+namespace {
+
+/// A grid some of whose points springs tie two by two.
+struct TiedGrid {
+    static constexpr int n = 9, rows = n * n * n;
+    GridMatrix grid{n};
     BlockMatrix a = grid.a;
-    const Mat3 k = 3 * Mat3::Identity();
-    for (int x = 0; x < n; x += 3)
-        for (int y = 0; y < n; ++y)
-            for (int z = 0; z < n; z += 3) {
-                const int at = grid.point(x, y, z);
-                const Overlay::Carrier carriers[] = {{0, at, 1}, {1, at + 1, 1}, {2, at + 1, 1}, {3, at + 1, 1}};
-                const Mat3 across = -k / 3;
-                Overlay::Blocks blocks;
-                for (Mat3& b : blocks) b.setZero();
-                blocks[0] = k;
-                for (std::size_t c = 1; c < 4; ++c) blocks[c] = across;
-                for (int c = 1; c < 4; ++c)
-                    for (int d = c; d < 4; ++d) blocks[Overlay::block_of(c, d)] = k / 9;
-                a.overlay.add(carriers, blocks);
-            }
-    a.overlay.finish(rows);
-    const std::vector<int>& coupled = a.overlay.rows();
-    REQUIRE(coupled.size() == 162);
-    std::vector<int> source;
-    std::vector<FloatBlock> sums;
-    RowBlocks fine = make_row_blocks(grid.pattern, source);
-    copy_blocks(a, source, fine, sums);
-    OverlaySmoother smoother(fine);
-    REQUIRE(smoother.set_values(a.overlay));
-    const MatrixXd whole = dense(a);
-    const MatrixXd down = two_sweeps(whole, coupled, false), up = two_sweeps(whole, coupled, true);
-    const auto nothing = [](const std::vector<double>&, std::vector<double>& z) { std::fill(z.begin(), z.end(), 0.0); };
-    std::vector<double> z(3 * rows), again(3 * rows);
-    const std::vector<double> r = random_numbers(3 * rows, 6);
-    const VectorXd swept = down * as_vector(r), expected = swept + up * (as_vector(r) - whole * swept);
-    {
-        const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-        smoother.apply(nothing, r, z);
+    RowBlocks fine;
+
+    TiedGrid() {
+        std::vector<int> source;
+        std::vector<FloatBlock> sums;
+        fine = make_row_blocks(grid.pattern, source);
+        copy_blocks(a, source, fine, sums);
     }
-    CHECK((as_vector(z) - expected).norm() < 1e-5 * expected.norm());
-    smoother.apply(nothing, r, again);
-    CHECK(z == again);
+    void tie(int one, int other) {
+        Overlay::Blocks blocks;
+        for (Mat3& b : blocks) b.setZero();
+        blocks[Overlay::block_of(0, 0)] = blocks[Overlay::block_of(1, 1)] = 3 * Mat3::Identity();
+        blocks[Overlay::block_of(0, 1)] = -3 * Mat3::Identity();
+        const Overlay::Carrier carriers[] = {{0, one, 1}, {1, other, 1}};
+        a.overlay.add(carriers, blocks);
+    }
+    /// What the smoother makes of some right side, with a tenth of what is left taken in between, on one thread and on
+    /// two; against dense matrices.
+    void check(OverlaySmoother& smoother) {
+        const std::vector<int>& coupled = a.overlay.rows();
+        const MatrixXd whole = dense(a);
+        const MatrixXd down = two_sweeps(whole, coupled, false), up = two_sweeps(whole, coupled, true);
+        const std::vector<double> r = random_numbers(3 * rows, 6);
+        const VectorXd swept = down * as_vector(r), between = swept + 0.1 * (as_vector(r) - whole * swept),
+                       expected = between + up * (as_vector(r) - whole * between);
+        const auto tenth = [](const std::vector<double>& in, std::vector<double>& out) {
+            for (std::size_t i = 0; i < in.size(); ++i) out[i] = 0.1 * in[i];
+        };
+        std::vector<std::vector<double>> found;
+        for (const std::size_t threads : {1, 2}) {
+            const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+            REQUIRE(smoother.set_values(a.overlay));
+            found.emplace_back(3 * rows);
+            smoother.apply(tenth, r, found.back());
+        }
+        CHECK((as_vector(found[0]) - expected).norm() < 1e-5 * expected.norm());
+        CHECK(found[0] == found[1]);
+    }
+};
+
+} // namespace
+
+TEST_CASE("overlay smoother: patches that have nothing to do with each other go side by side", "[linear]") {
+    TiedGrid g;
+    OverlaySmoother smoother(g.fine);
+    // Nine chains of 18 points that the grid couples, which are too far from each other to be coupled: three chains
+    // make a patch.
+    for (int x = 0; x < g.n; x += 3)
+        for (int y = 0; y < g.n; ++y)
+            for (int z = 0; z < g.n; z += 3) g.tie(g.grid.point(x, y, z), g.grid.point(x, y, z + 1));
+    g.a.overlay.finish(g.rows);
+    REQUIRE(g.a.overlay.rows().size() == 162);
+    g.check(smoother);
+    // Three planes, each large enough for a patch, of which the springs alone make two one, first these, then those.
+    for (const auto [one, other, alone] : {std::array{0, 8, 4}, std::array{0, 4, 8}}) {
+        g.a.overlay.clear();
+        for (int y = 0; y < g.n; ++y)
+            for (int z = 0; z < g.n; ++z) {
+                g.tie(g.grid.point(one, y, z), g.grid.point(other, y, z));
+                if (z > 0) g.tie(g.grid.point(alone, y, z - 1), g.grid.point(alone, y, z));
+            }
+        g.a.overlay.finish(g.rows);
+        REQUIRE(g.a.overlay.rows().size() == 243);
+        g.check(smoother);
+    }
 }
 
 TEST_CASE("overlay smoother: what springs of a hundred times the stiffness around them couple takes few iterations",

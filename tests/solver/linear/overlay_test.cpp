@@ -115,10 +115,15 @@ TEST_CASE("an overlay gives rows that are held nothing, and others what they had
     BlockMatrix a(pattern);
     const Overlay::Carrier first[] = {{0, 0, .25}, {0, 4, .75}, {1, 1, 1}, {2, 2, 1}, {3, 5, 1}},
                            second[] = {{0, 3, 1}, {1, 4, 1}, {2, 4, 1}, {3, 4, 1}},
-                           last[] = {{0, 4, 1}, {1, 1, 1}, {2, 3, 1}, {3, 5, 1}};
+                           third[] = {{0, 4, 1}, {1, 1, 1}, {2, 3, 1}, {3, 0, 1}},
+                           last[] = {{0, 5, 1}, {1, 4, 1}, {2, 2, 2}, {3, 1, 1}};
+    const Mat3 one = Mat3::Identity();
+    // What is left of the third between rows that move is no block at all.
+    a.overlay.add_across(third, {one, one, one});
     a.overlay.add(first, spring(Mat3(Vec3(1, 2, 3).asDiagonal())));
-    a.overlay.add(second, spring(5 * Mat3::Identity()));
-    a.overlay.add_across(last, {Mat3::Identity(), Mat3::Identity(), Mat3::Identity()});
+    a.overlay.add(second, spring(5 * one));
+    a.overlay.add_across(third, {one, one, one});
+    a.overlay.add_across(last, {one, 7 * one, one});
     BlockMatrix whole(a);
     whole.overlay.finish(6);
     a.overlay.hold({0, 1, 0, 0, 1, 0});
@@ -128,10 +133,28 @@ TEST_CASE("an overlay gives rows that are held nothing, and others what they had
         expected.middleRows(3 * held, 3).setZero(), expected.middleCols(3 * held, 3).setZero();
     CHECK(expected(0, 0) == Approx(0.0625));
     CHECK(expected(9, 9) == Approx(5));
+    CHECK(expected(15, 6) == Approx(14 + 1.0 / 9));
     CHECK((dense(a) - expected).norm() < 1e-14);
     CHECK(a.overlay.rows() == std::vector<int>{0, 2, 3, 5});
-    const std::vector<double> x = random_numbers(18, 3);
-    std::vector<double> y(18);
-    multiply(a, x.data(), y.data());
-    CHECK((as_vector(y) - expected * as_vector(x)).norm() < 1e-14);
+    // By rows, as smoothers read it.
+    MatrixXd by_rows = MatrixXd::Zero(18, 18);
+    std::size_t visited = 0;
+    for (const int row : a.overlay.rows())
+        a.overlay.visit_row(row, [&](int column, double factor, const Mat3& block, bool transposed) {
+            by_rows.block<3, 3>(3 * row, 3 * column) += factor * (transposed ? Mat3(block.transpose()) : block);
+            ++visited;
+        });
+    CHECK((by_rows - expected).norm() < 1e-14);
+    CHECK(visited == 9 + 1 + 2);
+    std::vector<std::pair<int, int>> couplings;
+    a.overlay.visit_couplings([&](int i, int j) { couplings.emplace_back(i, j); });
+    CHECK(couplings == std::vector<std::pair<int, int>>{{0, 0}, {0, 2}, {0, 5}, {3, 3}, {5, 5}, {5, 2}});
+    SECTION("where nothing is left it is empty") {
+        a.overlay.clear();
+        a.overlay.add_across(third, {one, one, one});
+        a.overlay.hold({0, 1, 0, 0, 1, 0});
+        a.overlay.finish(6);
+        CHECK(a.overlay.empty());
+        CHECK(a.overlay.rows().empty());
+    }
 }
