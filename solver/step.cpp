@@ -163,7 +163,9 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
     impl.potential.begin_step(s, in);
     // What is switched off stands, whatever it did before, and brakes and drags what touches it as one that stood.
     impl.potential.stop_frozen(s.v), impl.potential.stop_frozen(s.history.v);
-    if (!s.history.x.empty()) impl.potential.put_frozen_back(s.x, s.history.x);
+    if (s.history.x.size() == s.x.size()) impl.potential.put_frozen_back(s.x, s.history.x);
+    // Accelerations of others tell of forces of when it moved.
+    if (impl.potential.has_frozen()) s.history.acceleration.clear();
     impl.x = s.x;
     DampedVelocity damped(impl, s, in);
     switch (in.integrator) {
@@ -218,7 +220,6 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
     impl.potential.remember(impl.x, keeps_history, s.memories);
     const bool multistep = in.integrator == Integrator::bdf2 || in.integrator == Integrator::tr_bdf2;
     if (multistep) {
-        impl.potential.stop_frozen(s.v);
         s.history.step_size = h;
         s.history.x.swap(s.x);
         s.history.v.swap(s.v);

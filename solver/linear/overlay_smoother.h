@@ -18,6 +18,8 @@ class OverlaySmoother {
     explicit OverlaySmoother(const RowBlocks& fine);
     /// Takes the values that `fine` has now, and the overlay's. False: the matrix is not positive definite.
     bool set_values(const Overlay& overlay);
+    /// After set_values: of how many patches, which go side by side, the coupled rows are.
+    std::size_t patches() const { return patch_count_; }
     /// z = M^-1 r, 3 numbers a row, of the sweeps down the rows, `inner` on what they leave, and the sweeps up:
     /// symmetric where inner is, positive definite where inner and the matrix are. The same bits for any number of
     /// threads.

@@ -548,6 +548,7 @@ int worst_deformable(const std::vector<BodyForces>& forces) {
 void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
               std::vector<double>& x, LinearMemory& memory, StepRecord& record) try {
     w.renewals = 0;
+    w.hessian.overlay.clear(); // of another step, which another workspace may not have taken
     potential.add_up_springs(w.springs, w.elastic);
     w.linear.begin_step(w.springs, w.elastic);
     double r = 0;

@@ -124,7 +124,8 @@ bool Potential::lets_go(const std::vector<char>& frozen_before) const {
 }
 
 void Potential::stop_frozen(Positions& v) const {
-    for (std::size_t d = 0; d < frozen_.size() && !v.empty(); ++d) {
+    if (v.size() != 3 * numbering_.vertex_count()) return; // there is none
+    for (std::size_t d = 0; d < frozen_.size(); ++d) {
         const Deformable& body = numbering_.deformables[d];
         const auto first = v.begin() + static_cast<std::ptrdiff_t>(3 * body.first_vertex);
         if (frozen_[d]) std::fill_n(first, 3 * body.vertex_count, 0.0);

@@ -44,7 +44,7 @@ class Potential {
     const std::vector<char>& frozen() const { return frozen_; }
     /// Whether one of those flagged is frozen no longer.
     bool lets_go(const std::vector<char>& frozen_before) const;
-    /// Sets v, 3 a vertex, to zero where bodies are frozen (TissueInputs::enable).
+    /// Sets v, 3 a vertex or empty, to zero where bodies are frozen (TissueInputs::enable).
     void stop_frozen(Positions& v) const;
     /// The same of a direction, 3 an unknown: what was solved with a factor of other times may lead anywhere.
     void stop_frozen_unknowns(std::vector<double>& direction) const;

@@ -241,7 +241,8 @@ void Contacts::remember_couplings() const {
             return true;
         });
     }
-    for (const ClothContact::Press& press : presses_) couple_cloth(press);
+    for (const ClothContact::Press& press : presses_)
+        if (neither_stands(press)) couple_cloth(press);
     tidy(next_.couplings);
 }
 

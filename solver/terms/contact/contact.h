@@ -98,9 +98,14 @@ class Contacts final : public Term {
     /// Where nothing but momentum leads, and bones are.
     const double* carriers_expected(int body) const;
     const ContactPair& pair_of(std::size_t touch) const { return pairs_[pair_of_touch_[touch]]; }
-    /// Whether a body is switched off: what it is tied to is not coupled with it.
+    /// Whether a body is switched off. What presses on it is not laid out in the pattern: its rows are the identity's.
     bool stands(int body) const;
-    bool moves(std::size_t touch) const { return !stands(touches_[touch].source) && !stands(touches_[touch].target); }
+    bool neither_stands(std::size_t touch) const {
+        return !stands(touches_[touch].source) && !stands(touches_[touch].target);
+    }
+    bool neither_stands(const ClothContact::Press& press) const {
+        return !stands(cloth_.body_of(press.corners[0])) && !stands(cloth_.body_of(press.corners[3]));
+    }
     Vec3 point_at(const Touch& t) const { return places_[at(t.source)][at(t.point)]; }
     Vec3 place_at(int target, int triangle, const Vec3& place) const;
     void place_points(int body, const double* carriers) const;

@@ -164,9 +164,7 @@ void Contacts::add_cloth_hessian(bool project, BlockMatrix& a) {
         if (project && press.stiffness <= 0) continue;
         set(press);
         // Sheets are so soft across that a factor which does not know of what lies on them is of no use.
-        if (!cloth_element_.coupled() && !stands(cloth_.body_of(press.corners[0])) &&
-            !stands(cloth_.body_of(press.corners[3])))
-            cloth_strong_[i] = 1;
+        if (neither_stands(press) && !cloth_element_.coupled()) cloth_strong_[i] = 1;
         cloth_element_.add_hessian(cloth_.hessian(press, places_, project), 1, a);
     }
     for (const Drag& drag : drags_) {

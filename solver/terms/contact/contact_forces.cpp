@@ -62,7 +62,7 @@ const double* Contacts::carriers_expected(int body) const {
 }
 
 bool Contacts::stands(int body) const {
-    return bodies_[body].deforms() && is_frozen(stage_->inputs.bodies[at(bodies_[body].body())]);
+    return bodies_[body].deforms() && is_frozen(stage_->inputs.bodies[at(scene_.carrier_of(bodies_[body].body()))]);
 }
 
 Vec3 Contacts::place_at(int target, int triangle, const Vec3& place) const {
@@ -412,7 +412,7 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
     // Touches share entries, and what is strong is so beside what was added before.
     for (std::size_t k = 0; k < pressing_.size(); ++k) {
         const std::size_t i = pressing_[k];
-        if (moves(i) && !elements_[i].coupled() && is_strong(elements_[i], now_[i].place, stiffness(i), a))
+        if (neither_stands(i) && !elements_[i].coupled() && is_strong(elements_[i], now_[i].place, stiffness(i), a))
             strong_[pair_of_touch_[i]] = 1;
         elements_[i].add_hessian(blocks_[k], stiffness(i), a);
     }
@@ -431,7 +431,7 @@ void Contacts::add_tether_hessian(BlockMatrix& a) {
         PointTriangleBlocks blocks;
         for (Mat3& block : blocks) block.setZero();
         add_square(tether.place, by_way, blocks);
-        if (moves(tether.touch) && !tether_elements_[i].coupled() &&
+        if (neither_stands(tether.touch) && !tether_elements_[i].coupled() &&
             is_strong(tether_elements_[i], tether.place, tether.spring.stiffness, a))
             strong_[pair_of_touch_[tether.touch]] = 1;
         tether_elements_[i].add_hessian(blocks, 1, a);

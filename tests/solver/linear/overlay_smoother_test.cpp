@@ -178,7 +178,7 @@ struct TiedGrid {
     }
     /// What the smoother makes of some right side, with a tenth of what is left taken in between, on one thread and on
     /// two; against dense matrices.
-    void check(OverlaySmoother& smoother) {
+    void check(OverlaySmoother& smoother, std::size_t patches) {
         const std::vector<int>& coupled = a.overlay.rows();
         const MatrixXd whole = dense(a);
         const MatrixXd down = two_sweeps(whole, coupled, false), up = two_sweeps(whole, coupled, true);
@@ -192,6 +192,7 @@ struct TiedGrid {
         for (const std::size_t threads : {1, 2}) {
             const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
             REQUIRE(smoother.set_values(a.overlay));
+            CHECK(smoother.patches() == patches);
             found.emplace_back(3 * rows);
             smoother.apply(tenth, r, found.back());
         }
@@ -212,7 +213,7 @@ TEST_CASE("overlay smoother: patches that have nothing to do with each other go 
             for (int z = 0; z < g.n; z += 3) g.tie(g.grid.point(x, y, z), g.grid.point(x, y, z + 1));
     g.a.overlay.finish(g.rows);
     REQUIRE(g.a.overlay.rows().size() == 162);
-    g.check(smoother);
+    g.check(smoother, 3);
     // Three planes, each large enough for a patch, of which the springs alone make two one, first these, then those.
     for (const auto [one, other, alone] : {std::array{0, 8, 4}, std::array{0, 4, 8}}) {
         g.a.overlay.clear();
@@ -223,7 +224,7 @@ TEST_CASE("overlay smoother: patches that have nothing to do with each other go 
             }
         g.a.overlay.finish(g.rows);
         REQUIRE(g.a.overlay.rows().size() == 243);
-        g.check(smoother);
+        g.check(smoother, 2);
     }
 }
 

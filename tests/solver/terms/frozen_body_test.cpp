@@ -101,7 +101,7 @@ TEST_CASE("a body that is off is to what touches it or is attached to it as one 
                 // Where the method goes by the number of unknowns, of which one that is off has some, it may be
                 // another.
                 if (method == LinearMethod::automatic) continue;
-                CHECK(off.newton <= held.newton + (method == LinearMethod::direct ? 2 : 8));
+                CHECK(4 * off.newton <= 5 * held.newton);
                 // A quadratic one, which has other points that touch, takes about as many.
                 OnSlab of_two(tie, kind, ElementKind::quadratic, method);
                 of_two.switch_slab(false);
@@ -135,7 +135,9 @@ TEST_CASE("a body that is switched off while it moves stands, and what touches i
                 History& h = stood.state.history;
                 for (auto* v : {&stood.state.v, &h.v})
                     if (!v->empty()) std::fill(v->begin() + first, v->end(), 0.0);
+                h.acceleration.clear();
                 if (!h.x.empty()) std::copy(stood.state.x.begin() + first, stood.state.x.end(), h.x.begin() + first);
+                if (tie == Tie::fixed && scheme == Integrator::backward_euler) REQUIRE(on.state.linear.factor);
                 const std::vector<double> there = on.slab_in(on.state.x);
                 CHECK(on.slab_in(on.state.v) != std::vector<double>(there.size(), 0.0));
                 on.switch_slab(false), stood.switch_slab(false);
