@@ -3,6 +3,7 @@
 
 #include "nodes/adapters.h"
 #include "solver/error.h"
+#include "solver/mesh/fibre_field.h"
 #include "solver/mesh/harmonic.h"
 #include "solver/meshing/finer_tets.h"
 

@@ -4,11 +4,9 @@
 
 #include "solver/error.h"
 #include "solver/index.h"
-#include "solver/joined_sets.h"
 #include "solver/linear/scalar_cholesky.h"
-#include "solver/mesh/paint_pieces.h"
+#include "solver/mesh/dirichlet_energy.h"
 
-#include <Eigen/LU>
 #include <Eigen/SparseCore>
 
 #include <algorithm>
@@ -23,56 +21,21 @@ using Vector = Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-/// Gradients of the four barycentric coordinates, one a column.
-Eigen::Matrix<double, 3, 4> hat_gradients(const TetMesh& mesh, std::size_t tet) {
-    const Tet& t = mesh.tets[tet];
-    const Vec3& origin = mesh.vertices[at(t[0])];
-    Mat3 edges;
-    for (int k = 0; k < 3; ++k) edges.row(k) = mesh.vertices[at(t[at(k + 1)])] - origin;
-    // The bound of check_and_orient: below it the volume is rounding error.
-    const double longest = edges.rowwise().norm().maxCoeff();
-    if (!(edges.determinant() > 6e-15 * longest * longest * longest))
-        throw Error("FE215",
-                    "tet " + std::to_string(tet) +
-                        " has no volume or is inside out, so nothing can be "
-                        "extended through it",
-                    "Remove or remesh flat tets.");
-    Eigen::Matrix<double, 3, 4> g;
-    g.rightCols<3>() = edges.inverse();
-    g.col(0) = -(g.col(1) + g.col(2) + g.col(3));
-    return g;
-}
-
-/// Number of the connected part (through shared vertices) that each vertex belongs to: its lowest vertex.
-std::vector<int> connected_parts(const TetMesh& mesh) {
-    JoinedSets parts(mesh.vertices.size());
-    for (const Tet& t : mesh.tets)
-        for (std::size_t k = 1; k < 4; ++k) parts.join(t[0], t[k]);
-    std::vector<int> out;
-    for (int v = 0; v < static_cast<int>(mesh.vertices.size()); ++v) out.push_back(parts.root(v));
-    return out;
-}
-
 /// Minimises f.K.f / 2 subject to B.f = v by the method of multipliers: A = K + B^T.W.B with a large W is
 /// factorised once; a few cheap corrections of the multipliers then meet v to rounding where it can be met,
 /// and in the least-squares sense where not. Each step solves for a correction only, which also removes the
 /// rounding error of the large W.
-///
-/// v are the painted points, or means over patches of them. A boundary that runs through tets is held too much by
-/// points: all the slopes along it are then one, for those of neighbouring tets meet at vertices beyond it. Maps that
-/// are painted all over tell every slope; a field that is to find its own must be let.
 class HarmonicSolver {
   public:
-    /// \param patches the patch of each painted point, from 0 on; empty: each point is held
     HarmonicSolver(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
-                   const std::vector<char>& painted, const std::vector<int>& patches = {})
+                   const std::vector<char>& painted)
         : mesh_(mesh)
         , surface_(surface) {
         for (std::size_t p = 0; p < painted.size(); ++p)
             if (painted[p]) points_.push_back(p);
         if (points_.empty()) throw Error("FE212", "no point is painted, so there is nothing to extend into the volume");
         number_vertices();
-        assemble(areas, patches);
+        assemble(areas);
     }
 
     std::vector<double> extend(const std::vector<double>& values, HarmonicRange range) const {
@@ -83,7 +46,7 @@ class HarmonicSolver {
                 throw Error("FE202", "the painted value of point " + std::to_string(points_[i]) + " is not finite");
         }
         const double low = v.minCoeff(), high = v.maxCoeff();
-        Vector target = means_.size() ? Vector(means_ * v) : v;
+        Vector target = v;
         Vector f = solve(target);
         if (range == HarmonicRange::painted) {
             const double slack = 1e-12 * (high - low);
@@ -125,23 +88,9 @@ class HarmonicSolver {
         for (std::size_t v = 0; v < part.size(); ++v) nearest_[v] = of_part[at(part[v])];
     }
 
-    void assemble(const std::vector<double>& areas, const std::vector<int>& patches) {
-        Entries stiffness, rows;
-        for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
-            const Tet& tet = mesh_.tets[t];
-            if (number_[at(tet[0])] < 0) continue;
-            const auto g = hat_gradients(mesh_, t);
-            const double volume = tet_volume(mesh_.vertices[at(tet[0])], mesh_.vertices[at(tet[1])],
-                                             mesh_.vertices[at(tet[2])], mesh_.vertices[at(tet[3])]);
-            const double weight = (mesh_.coverage.empty() ? 1.0 : mesh_.coverage[t]) * volume;
-            for (int i = 0; i < 4; ++i)
-                for (int j = 0; j < 4; ++j)
-                    stiffness.emplace_back(number_[at(tet[at(i)])], number_[at(tet[at(j)])],
-                                           weight * g.col(i).dot(g.col(j)));
-        }
-        K_.resize(count_, count_);
-        K_.setFromTriplets(stiffness.begin(), stiffness.end());
-
+    void assemble(const std::vector<double>& areas) {
+        K_ = dirichlet_matrix(mesh_, number_, count_);
+        Entries rows;
         const Eigen::Index point_count = static_cast<Eigen::Index>(points_.size());
         W_.resize(point_count);
         for (Eigen::Index i = 0; i < point_count; ++i) {
@@ -153,10 +102,6 @@ class HarmonicSolver {
         }
         B_.resize(point_count, count_);
         B_.setFromTriplets(rows.begin(), rows.end());
-        if (!patches.empty()) {
-            take_means(patches);
-            B_ = Sparse(means_ * B_);
-        }
         // A point without area is still painted: it keeps a small weight.
         const double mean = W_.mean();
         if (!(mean > 0))
@@ -168,24 +113,6 @@ class HarmonicSolver {
         W_ *= 1e5 * scale / std::max(Vector(squares.diagonal()).maxCoeff(), 1e-300);
         A_ = K_ + Sparse(B_.transpose() * (W_.asDiagonal() * B_));
         factorize(scale);
-    }
-
-    /// The points' means over patches, by their areas, which become those of the means.
-    void take_means(const std::vector<int>& patches) {
-        const auto rows = static_cast<std::size_t>(*std::max_element(patches.begin(), patches.end())) + 1;
-        std::vector<double> areas(rows, 0.0);
-        std::vector<int> counts(rows, 0);
-        for (std::size_t i = 0; i < patches.size(); ++i)
-            areas[at(patches[i])] += W_[static_cast<Eigen::Index>(i)], ++counts[at(patches[i])];
-        Entries entries;
-        for (std::size_t i = 0; i < patches.size(); ++i) {
-            const double area = areas[at(patches[i])]; // of points without any each counts alike
-            entries.emplace_back(patches[i], static_cast<int>(i),
-                                 area > 0 ? W_[static_cast<Eigen::Index>(i)] / area : 1.0 / counts[at(patches[i])]);
-        }
-        means_.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(patches.size()));
-        means_.setFromTriplets(entries.begin(), entries.end());
-        W_ = Eigen::Map<const Vector>(areas.data(), static_cast<Eigen::Index>(rows));
     }
 
     /// A small multiple of the identity keeps pivots above zero. It stands only in the matrix that corrects, so it
@@ -253,7 +180,6 @@ class HarmonicSolver {
     std::vector<std::size_t> nearest_; ///< painted point of each vertex without unknown
     int count_ = 0;
     Sparse K_, B_, A_;
-    Sparse means_; ///< of points; empty: each is held
     Vector W_;
     std::unique_ptr<ScalarCholesky> factor_;
 };
@@ -325,72 +251,11 @@ std::vector<double> tet_means(const TetMesh& mesh, const std::vector<double>& pe
     return means;
 }
 
-namespace {
-
-Points gradients_of(const TetMesh& mesh, const std::vector<double>& per_vertex) {
-    check_per_vertex(mesh, per_vertex);
-    Points gradients;
-    gradients.reserve(mesh.tets.size());
-    for (std::size_t tet = 0; tet < mesh.tets.size(); ++tet) {
-        const Tet& t = mesh.tets[tet];
-        // Differences first: a constant field must give exactly zero.
-        const auto g = hat_gradients(mesh, tet);
-        Vec3 sum = Vec3::Zero();
-        for (int k = 1; k < 4; ++k) sum += (per_vertex[at(t[at(k)])] - per_vertex[at(t[0])]) * g.col(k);
-        gradients.push_back(sum);
-    }
-    return gradients;
-}
-
-void make_unit(Points& gradients) {
-    double largest = 0;
-    for (const Vec3& g : gradients) largest = std::max(largest, g.norm());
-    for (Vec3& g : gradients) {
-        const double length = g.norm();
-        g = length > 1e-9 * largest ? Vec3(g / length) : Vec3::Zero();
-    }
-}
-
-} // namespace
-
 Points unit_gradients(const TetMesh& mesh, const std::vector<double>& per_vertex) {
+    check_per_vertex(mesh, per_vertex);
     Points gradients = gradients_of(mesh, per_vertex);
-    make_unit(gradients);
+    make_unit(gradients, 1e-9);
     return gradients;
-}
-
-Points fibre_gradients(const TetMesh& mesh, const PaintedSurface& surface, const std::vector<double>& values,
-                       const std::vector<char>& painted) {
-    const PaintPieces pieces = cut_paint(mesh, surface, values, painted);
-    const HarmonicSolver solver(mesh, pieces.embedding, pieces.areas, std::vector<char>(pieces.size(), 1),
-                                pieces.patches(mesh));
-    return gradients_of(mesh, solver.extend(pieces.values, HarmonicRange::free));
-}
-
-Points fibre_directions(const TetMesh& mesh, Points directions) {
-    make_unit(directions);
-    // Round after round, directions spread over shared vertices into the tets that have none.
-    std::vector<std::size_t> empty;
-    for (std::size_t t = 0; t < directions.size(); ++t)
-        if (directions[t].isZero()) empty.push_back(t);
-    while (!empty.empty()) {
-        Points at_vertex(mesh.vertices.size(), Vec3::Zero());
-        for (std::size_t t = 0; t < directions.size(); ++t)
-            for (int v : mesh.tets[t]) at_vertex[at(v)] += directions[t];
-        std::vector<std::size_t> still_empty;
-        for (std::size_t t : empty) {
-            Vec3 sum = Vec3::Zero();
-            for (int v : mesh.tets[t]) sum += at_vertex[at(v)];
-            const double length = sum.norm();
-            if (length > 1e-6)
-                directions[t] = sum / length;
-            else
-                still_empty.push_back(t);
-        }
-        if (still_empty.size() == empty.size()) break; // a part without any direction
-        empty = std::move(still_empty);
-    }
-    return directions;
 }
 
 } // namespace sinew::solver

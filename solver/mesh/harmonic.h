@@ -50,16 +50,4 @@ std::vector<double> tet_means(const TetMesh& mesh, const std::vector<double>& pe
 /// of the largest). Throws Error FE215 (a tet without volume).
 Points unit_gradients(const TetMesh& mesh, const std::vector<double>& per_vertex);
 
-/// What fibres follow: the gradient in each tet of the harmonic field (HarmonicRange::free) between painted end points.
-/// Paint is met as the mean over what of it is nearest to each vertex of the tets: met everywhere, it would hold the
-/// slopes of all tets along an end alike, and fibres that begin on a muscle's whole side would run anywhere. Between
-/// vertices of both ends it holds nothing.
-/// \param values, painted one per vertex of the surface
-/// Throws as harmonic_extension does.
-Points fibre_gradients(const TetMesh& mesh, const PaintedSurface& surface, const std::vector<double>& values,
-                       const std::vector<char>& painted);
-/// Gradients, or means of them over parts of the tets, as unit vectors. Tets in which the field is constant to rounding
-/// take the mean direction of their neighbours.
-Points fibre_directions(const TetMesh& mesh, Points gradients);
-
 } // namespace sinew::solver

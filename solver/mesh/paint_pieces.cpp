@@ -10,8 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
-#include <map>
 #include <set>
 
 namespace sinew::solver {
@@ -29,7 +27,7 @@ struct Corner {
 constexpr double slack = 1e-13;
 /// A piece that is nowhere farther than this from a side lies in it.
 constexpr double on_side = 1e-9;
-/// Pieces with less of their triangle are what rounding leaves: they would be patches of their own.
+/// Pieces with less of their triangle are what rounding leaves.
 constexpr double least_piece = 1e-9;
 /// Share of a triangle that may be missing.
 constexpr double missing = 1e-6;
@@ -155,27 +153,7 @@ void add_samples(PaintPieces& out, const TetMesh& mesh, const PaintedSurface& su
             add(out, samples.embedding.tet[i], samples.embedding.barycentric[i], samples.areas[i], painted[i]);
 }
 
-/// Of corners that are as near but for rounding, the one with the lowest number.
-int nearest_vertex(const Tet& tet, const std::array<double, 4>& barycentric) {
-    constexpr double as_near = 1e-7;
-    const double most = *std::max_element(barycentric.begin(), barycentric.end());
-    int nearest = std::numeric_limits<int>::max();
-    for (std::size_t k = 0; k < 4; ++k)
-        if (barycentric[k] >= most - as_near) nearest = std::min(nearest, tet[k]);
-    return nearest;
-}
-
 } // namespace
-
-std::vector<int> PaintPieces::patches(const TetMesh& mesh) const {
-    std::map<std::pair<int, double>, int> numbers; // by vertex and value: the ends of thin bodies share vertices
-    std::vector<int> out;
-    for (std::size_t i = 0; i < size(); ++i) {
-        const std::pair key(nearest_vertex(mesh.tets[at(embedding.tet[i])], embedding.barycentric[i]), values[i]);
-        out.push_back(numbers.emplace(key, static_cast<int>(numbers.size())).first->second);
-    }
-    return out;
-}
 
 PaintPieces cut_paint(const TetMesh& mesh, const PaintedSurface& surface, const std::vector<double>& values,
                       const std::vector<char>& painted) {

@@ -15,9 +15,6 @@ struct PaintPieces {
     std::vector<double> areas;  ///< of the pieces [m^2]; of a vertex, what it stands for
     std::vector<double> values; ///< what is painted
     std::size_t size() const { return areas.size(); }
-
-    /// The patch of each piece, from 0 on: all of one value that are nearest to the same vertex of their tets.
-    std::vector<int> patches(const TetMesh& mesh) const;
 };
 
 /// The pieces of a triangle together are the triangle: one that lies in a side of two tets is cut by one of them, and

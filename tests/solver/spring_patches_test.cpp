@@ -58,6 +58,13 @@ struct Blocks {
         in.attachments = {{1e9, 1, 2e6}, {1e8, 0.5, 0}, {1e8, 1, 0}, {1e4, 1, 0}};
         return in;
     }
+    /// What single springs are limited to.
+    double single(std::size_t attachment) const {
+        const AttachmentView kept = attachments_kept(state.memories);
+        return single_stiffness(scene,
+                                held_tets(scene, scene.description().attachments[attachment], kept.anchors[attachment]),
+                                tet_edges(scene), in);
+    }
     Scene scene;
     StepInputs in;
     State state;
@@ -66,29 +73,64 @@ struct Blocks {
 } // namespace
 
 TEST_CASE("patches: of two tissues the one with larger tets gives the vertices, the softer one the stiffness") {
-    Blocks b(ElementKind::linear);
+    const Blocks b(ElementKind::linear);
     const auto& attachments = b.scene.description().attachments;
     const std::vector<double> edges = tet_edges(b.scene);
     for (const AttachmentRest& a : attachments) CHECK(patch_side(b.scene, a, edges) == 0);
     CHECK(edges[0] == Approx(0.07).epsilon(0.25));
     CHECK(edges[1] == Approx(0.045).epsilon(0.25));
     CHECK(edges[2] == 0);
-    const auto stiffness = [&](std::size_t a) { return single_stiffness(b.scene, attachments[a], edges, b.in); };
-    CHECK(stiffness(0) == Approx(100 * 3e4 / edges[0]));
-    CHECK(stiffness(1) == Approx(100 * 3e4 / edges[0]));
-    auto& below = std::get<TissueInputs>(b.in.bodies[0]);
-    below.layers.push_back(below.layers[0]);
-    below.layers[1].youngs_modulus = 7e5;
-    CHECK(stiffness(0) == Approx(100 * 7e5 / edges[0]));
-    CHECK(stiffness(1) == Approx(100 * 6e4 / edges[1]));
+    CHECK(b.single(0) == Approx(100 * 3e4 / edges[0]));
+    CHECK(b.single(1) == Approx(100 * 3e4 / edges[0]));
     AttachmentRest bones, equal = attachments[1];
     bones.source = bones.target = 2;
     CHECK(patch_side(b.scene, bones, edges) == -1);
-    CHECK(std::isinf(single_stiffness(b.scene, bones, edges, b.in)));
+    CHECK(std::isinf(single_stiffness(b.scene, held_tets(b.scene, bones, {}), edges, b.in)));
     // Tets of one size: the source's, whatever rounding makes of them.
     CHECK(patch_side(b.scene, equal, std::vector{0.05, 0.05 * (1 + 1e-12), 0.0}) == 0);
     std::swap(equal.source, equal.target);
     CHECK(patch_side(b.scene, equal, std::vector{0.05, 0.05 * (1 - 1e-12), 0.0}) == 1);
+}
+
+TEST_CASE("patches: flesh counts by what it is where it is held") {
+    // A tendon at the root, as far as the tets' middles lie below x = 0.1.
+    auto below = block({0, 0, 0}, 0.07, ElementKind::linear);
+    below->layer_weights.emplace_back();
+    double stiff = 0, all = 0;
+    for (const Tet& t : below->tets.tets) {
+        double x = 0;
+        for (const int v : t) x += below->tets.vertices[at(v)].x() / 4;
+        below->layer_weights[1].push_back(x < 0.1 ? 1 : 0);
+    }
+    AttachmentRest root, tip;
+    root.source = tip.source = 0, root.target = tip.target = 1;
+    root.source_weights = paint(below->surface, [](const Vec3& x) { return x.x() < 1e-9; });
+    tip.source_weights = paint(below->surface, [](const Vec3& x) { return x.x() > 0.29; });
+    AttachmentRest both = root;
+    both.source_weights = {1};
+    const Points plate{{0, -1, -1}, {0, 2, -1}, {0, 0, 2}};
+    const Scene scene({{below, bone(plate, {{0, 2, 1}})}, {root, tip, both}});
+    StepInputs in = still_inputs();
+    TissueInputs flesh = material(3e4, 0.3, 1000);
+    flesh.layers.push_back(flesh.layers[0]);
+    flesh.layers[1].youngs_modulus = 7e5;
+    in.bodies = {flesh, BoneInputs{plate}};
+    in.attachments = {{1e9, 1, 0}, {1e9, 1, 0}, {1e9, 1, 0}};
+    const State s = initial_state(scene, in);
+    const AttachmentView kept = attachments_kept(s.memories);
+    const std::vector<double> edges = tet_edges(scene);
+    const auto single = [&](std::size_t a) {
+        return single_stiffness(scene, held_tets(scene, scene.description().attachments[a], kept.anchors[a]), edges,
+                                in);
+    };
+    CHECK(single(0) == Approx(100 * 7e5 / edges[0]));
+    CHECK(single(1) == Approx(100 * 3e4 / edges[0]));
+    // Held all over, by the areas.
+    for (const Anchor& a : kept.anchors[2])
+        all += a.area_weight, stiff += below->layer_weights[1][at(a.source.tet)] * a.area_weight;
+    REQUIRE(stiff > 0.25 * all);
+    REQUIRE(stiff < 0.5 * all);
+    CHECK(single(2) == Approx(100 * (3e4 + stiff / all * 6.7e5) / edges[0]));
 }
 
 TEST_CASE("patches: between two vertices that are as near up to rounding the first one counts") {
@@ -197,7 +239,7 @@ TEST_CASE("where tets end at the surface no springs are put together") {
     CHECK(springs.energy(x, nullptr) == Approx(0.5 * 1e9 * 0.02 * 0.02 * 0.1 * 0.001 / 3).epsilon(1e-6));
 }
 
-TEST_CASE("a patch's mean stretch meets the whole stiffness, what differs from it a hundred times what flesh is") {
+TEST_CASE("a patch's mean stretch meets a thousand times what flesh is at most, what differs from it a hundred times") {
     for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
         const Blocks b(kind);
         const auto& attachments = b.scene.description().attachments;
@@ -205,9 +247,8 @@ TEST_CASE("a patch's mean stretch meets the whole stiffness, what differs from i
         const SpringBundles bundles(b.scene, kept.anchors);
         const std::vector<int> sides{0, 0, 0, -1};
         const SpringPatches patches(b.scene, bundles, kept.anchors, sides);
-        const std::vector<double> edges = tet_edges(b.scene);
         std::vector<double> most_single;
-        for (const AttachmentRest& a : attachments) most_single.push_back(single_stiffness(b.scene, a, edges, b.in));
+        for (std::size_t a = 0; a < attachments.size(); ++a) most_single.push_back(b.single(a));
         Springs springs(b.scene, attachments_kept(b.state.memories), sides);
         springs.limit_single(most_single);
         // The step begins with all of them stretched.
@@ -240,7 +281,8 @@ TEST_CASE("a patch's mean stretch meets the whole stiffness, what differs from i
             });
             each([&](const SpringBundles::Spring& s, const Vec3& d, int attachment, int p) {
                 const AttachmentInputs& in = b.in.attachments[at(attachment)];
-                const double k = in.stiffness * in.envelope, single = std::min(k, most_single[at(attachment)]);
+                const double limit = most_single[at(attachment)], told = in.stiffness * in.envelope,
+                             k = p < 0 ? told : std::min(told, 10 * limit), single = std::min(k, limit);
                 const double all = viscous ? in.damping * in.envelope / 0.02 / k : 1;
                 const double of_mean = p < 0 ? 0 : (k - single) * mean[at(p)].squaredNorm();
                 energy += 0.5 * all * s.area_weight * (single * d.squaredNorm() + of_mean);
@@ -266,10 +308,10 @@ TEST_CASE("a patch's mean stretch meets the whole stiffness, what differs from i
             for (std::size_t i = 0; i < gradient.size(); ++i) slope += gradient[i] * direction[i];
             CHECK(slope * far == Approx(expected(moved(1.5)) - expected(moved(0.5))).epsilon(1e-8)); // it is quadratic
         }
-        // As one piece it moves against springs that all are as stiff as told.
+        // As one piece it moves against all springs alike: stiff ones up to the limit of means, soft ones as told.
         std::vector<double> aside(b.state.x);
         for (std::size_t i = 0; i < aside.size(); i += 3) aside[i] += 0.01;
-        CHECK(springs.stored_energy(aside) == Approx(0.5 * (1e9 + 1e4) * 0.01 * 1e-4).epsilon(1e-9));
+        CHECK(springs.stored_energy(aside) == Approx(0.5 * (10 * most_single[0] + 1e4) * 0.01 * 1e-4).epsilon(1e-9));
     }
 }
 

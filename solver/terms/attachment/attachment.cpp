@@ -3,11 +3,13 @@
 
 #include "solver/error.h"
 #include "solver/terms/attachment/anchors.h"
+#include "solver/terms/elastic/layer_mix.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
+#include <variant>
 
 namespace sinew::solver {
 
@@ -39,19 +41,18 @@ Attachments::Attachments(const Scene& scene)
 Changes Attachments::take(const StepInputs& inputs, const State& before) {
     const TermMemory* memory = find_memory(before.memories, attachment_type.name);
     const auto& attachments = scene_.description().attachments;
-    wanted_.clear(), most_single_.clear();
+    const bool same_anchors = springs_ && memory && *memory == memory_;
+    limit_single(inputs, before, same_anchors);
+    wanted_.clear();
     for (std::size_t a = 0; a < attachments.size(); ++a) {
         const AttachmentInputs& in = inputs.attachments[a];
-        most_single_.push_back(single_stiffness(scene_, attachments[a], edges_, inputs));
         // Whatever the envelope is: one that is keyed from nothing to all couples the same vertices at all times. And
         // within a step as at its start: patches of softer springs and single stiff ones are right, too.
-        char held = in.mode() != AttachmentMode::fixed   ? off
-                    : in.stiffness > most_single_.back() ? by_patches
-                                                         : by_springs;
+        char held = in.mode() != AttachmentMode::fixed ? off : in.stiffness > most_single_[a] ? by_patches : by_springs;
         if (keeps_couplings_ && held != off && held_[a] != off) held = held_[a];
         wanted_.push_back(held);
     }
-    const bool same = springs_ && memory && *memory == memory_ && wanted_ == held_;
+    const bool same = same_anchors && wanted_ == held_;
     if (!same) {
         AttachmentView kept = attachments_kept(before.memories);
         check_kept(scene_, inputs.attachments, kept);
@@ -65,6 +66,31 @@ Changes Attachments::take(const StepInputs& inputs, const State& before) {
     }
     springs_->limit_single(most_single_);
     return {.couplings = !same};
+}
+
+void Attachments::limit_single(const StepInputs& inputs, const State& before, bool same_anchors) {
+    const auto& attachments = scene_.description().attachments;
+    if (!same_anchors) {
+        const AttachmentView kept = attachments_kept(before.memories);
+        check_kept(scene_, inputs.attachments, kept);
+        held_tets_.clear();
+        for (std::size_t a = 0; a < attachments.size(); ++a)
+            held_tets_.push_back(held_tets(scene_, attachments[a], kept.anchors[a]));
+    }
+    bool same = same_anchors;
+    materials_.resize(static_cast<std::size_t>(scene_.body_count()));
+    for (const auto& ends : held_tets_)
+        for (const HeldTets& end : ends) {
+            if (end.body < 0) continue;
+            const auto& now = std::get<TissueInputs>(inputs.bodies[static_cast<std::size_t>(end.body)]);
+            std::vector<TissueInputs>& seen = materials_[static_cast<std::size_t>(end.body)];
+            if (!seen.empty() && same_material(seen.front(), now)) continue;
+            seen.assign(1, now), seen.front().forces = {}; // of the vertices: many, and no material
+            same = false;
+        }
+    if (same) return;
+    most_single_.clear();
+    for (const auto& held : held_tets_) most_single_.push_back(single_stiffness(scene_, held, edges_, inputs));
 }
 
 double Attachments::energy(const Positions& x, bool with_forces) {

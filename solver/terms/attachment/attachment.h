@@ -39,12 +39,17 @@ class Attachments final : public Term {
     void measure(const Positions& x, std::span<const double> reactions, std::vector<Measured>& out) const override;
 
   private:
+    /// Finds most_single_ anew where what it follows from has changed.
+    void limit_single(const StepInputs& inputs, const State& before, bool same_anchors);
+
     const Scene& scene_;
     TermMemory memory_; ///< that the springs are made of
     std::unique_ptr<Springs> springs_;
     enum : char { off, by_springs, by_patches };
-    std::vector<char> held_, wanted_; ///< per attachment: how it is held, and how it shall be
-    std::vector<double> edges_;       ///< of tets, per body
+    std::vector<char> held_, wanted_;                  ///< per attachment: how it is held, and how it shall be
+    std::vector<double> edges_;                        ///< of tets, per body
+    std::vector<std::array<HeldTets, 2>> held_tets_;   ///< per attachment
+    std::vector<std::vector<TissueInputs>> materials_; ///< per body: none, or what most_single_ was found for
     std::vector<double> most_single_; ///< per attachment: stiffness of single springs of patches [N/m^3]
     bool keeps_couplings_ = false;
     VertexGradient gradient_;

@@ -3,6 +3,7 @@
 
 #include "solver/index.h"
 #include "solver/sort_into.h"
+#include "solver/terms/elastic/layer_mix.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,16 +33,6 @@ bool inside(const AnchorEnd& end) {
 
 /// Sums of areas, or products with them, that would be lost to underflow pull nothing.
 bool weighs(const SpringBundles::Spring& s) { return s.area_weight > 1e-100; }
-
-double stiffest(const TissueInputs& tissue) {
-    double modulus = 0;
-    const auto take = [&](const std::vector<MaterialValues>& layers) {
-        for (const MaterialValues& m : layers) modulus = std::max(modulus, m.youngs_modulus);
-    };
-    take(tissue.layers);
-    for (const SubtissueInputs& part : tissue.subtissues) take(part.layers);
-    return modulus;
-}
 
 /// visit(attachment, vertices of its bundle, spring) for all springs, by rising attachments.
 template <class Visit>
@@ -124,14 +115,31 @@ int patch_side(const Scene& scene, const AttachmentRest& attachment, std::span<c
     return scene.carrier_of(target > 1.02 * source ? attachment.target : attachment.source);
 }
 
-double single_stiffness(const Scene& scene, const AttachmentRest& attachment, std::span<const double> edges,
+std::array<HeldTets, 2> held_tets(const Scene& scene, const AttachmentRest& attachment,
+                                  std::span<const Anchor> anchors) {
+    std::array<HeldTets, 2> out;
+    for (const std::size_t end : {0, 1}) {
+        const int body = end == 0 ? attachment.source : attachment.target;
+        if (!scene.tissue(body) || anchors.empty()) continue;
+        std::map<int, double> areas;
+        for (const Anchor& a : anchors) areas[(end == 0 ? a.source : a.target).tet] += a.area_weight;
+        out[end] = {scene.carrier_of(body), {areas.begin(), areas.end()}};
+    }
+    return out;
+}
+
+double single_stiffness(const Scene& scene, const std::array<HeldTets, 2>& held, std::span<const double> edges,
                         const StepInputs& inputs) {
     double out = std::numeric_limits<double>::infinity();
-    for (const int body : {attachment.source, attachment.target})
-        if (edges[at(body)] > 0) {
-            const auto& tissue = std::get<TissueInputs>(inputs.bodies[at(scene.carrier_of(body))]);
-            out = std::min(out, firmness * stiffest(tissue) / edges[at(body)]);
-        }
+    for (const HeldTets& end : held) {
+        if (end.body < 0) continue;
+        const TissueRest& rest = *scene.tissue(end.body);
+        const auto& tissue = std::get<TissueInputs>(inputs.bodies[at(end.body)]);
+        double sum = 0, all = 0;
+        for (const auto& [tet, area] : end.areas)
+            sum += area * mix_layers(rest, tissue, at(tet)).youngs_modulus, all += area;
+        if (all > 0) out = std::min(out, firmness * sum / all / edges[at(end.body)]);
+    }
     return out;
 }
 

@@ -2,18 +2,21 @@
 // piece, as they are more than its corners are free to move. A clamp would so reach up to a tet's thickness into the
 // flesh, which makes thin muscles millimetres too stiff. Where springs are stiffer than flesh is across a tet, those
 // nearest to one vertex make up a patch: their mean stretch meets the whole stiffness, what single ones are longer or
-// shorter than that a hundred times as much as flesh resists itself (E / h). Smaller tets make that stiffer, so in the
-// end both are the same. Where tets end at the surface each vertex there bears what pulls at it, and nothing is put
-// together. Sources: Barbosa and Hughes 1991, Burman and Hansbo 2010, on how many constraints along a surface a mesh
-// bears.
+// shorter than that a hundred times as much as flesh resists itself (E / h), and the mean itself a thousand times:
+// vertices outside of the solid are as many as those inside, so even means stiffer than that hold flesh like a piece.
+// Smaller tets make that stiffer, so in the end all are the same. Where tets end at the surface each vertex there bears
+// what pulls at it, and nothing is put together. Sources: Barbosa and Hughes 1991, Burman and Hansbo 2010, on how many
+// constraints along a surface a mesh bears.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/scene.h"
 #include "solver/step_inputs.h"
 #include "solver/terms/attachment/spring_bundles.h"
 
+#include <array>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace sinew::solver {
@@ -24,9 +27,21 @@ std::vector<double> tet_edges(const Scene& scene);
 /// subtissue's are those of what carries it. -1 where neither end rides in tets: each vertex then lies on the surface
 /// and bears what pulls there.
 int patch_side(const Scene& scene, const AttachmentRest& attachment, std::span<const double> edges);
+/// The means of a patch are at most this many times as stiff as its single springs.
+inline constexpr double mean_over_single = 10;
+
+/// Where an attachment holds a tissue: its tets and how much of the springs' areas x weights each has [m^2].
+struct HeldTets {
+    int body = -1; ///< the one with those tets; -1: none
+    std::vector<std::pair<int, double>> areas;
+};
+/// Of an attachment's two ends, of which bones and cloth have none.
+std::array<HeldTets, 2> held_tets(const Scene& scene, const AttachmentRest& attachment,
+                                  std::span<const Anchor> anchors);
 /// How stiff single springs of a patch are at most [N/m^3]: a hundred times what flesh is across a tet, E / h. E is the
-/// stiffest material anywhere in the tissue; of two tissues the softer counts. Infinite where there is no tissue.
-double single_stiffness(const Scene& scene, const AttachmentRest& attachment, std::span<const double> edges,
+/// mean over where the tissue is held, so a muscle's belly counts by itself and not by its tendon; of two tissues the
+/// softer counts. Infinite where there is no tissue.
+double single_stiffness(const Scene& scene, const std::array<HeldTets, 2>& held, std::span<const double> edges,
                         const StepInputs& inputs);
 
 class SpringPatches {

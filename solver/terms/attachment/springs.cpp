@@ -53,8 +53,9 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
     const auto bones = bones_weighed(form, before, bones_after);
     for (std::size_t a = 0; a < attachments.size(); ++a) {
         const AttachmentInputs& in = inputs.attachments[a];
-        const SpringPull all{in.stiffness * in.envelope, in.damping * in.envelope * form.velocity_factor};
+        SpringPull all{in.stiffness * in.envelope, in.damping * in.envelope * form.velocity_factor};
         const bool whole = !patches_.has(static_cast<int>(a)) || all.stiffness <= most_single_[a];
+        if (!whole) all.stiffness = std::min(all.stiffness, mean_over_single * most_single_[a]);
         const double single = whole ? 1 : most_single_[a] / all.stiffness;
         pulls_[a] = {single * all.stiffness, single * all.viscous};
         pulls_[attachments.size() + a] = {all.stiffness - pulls_[a].stiffness, all.viscous - pulls_[a].viscous};

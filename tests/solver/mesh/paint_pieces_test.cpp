@@ -123,28 +123,6 @@ TEST_CASE("what is painted alike is cut, what lies between is not, and a vertex 
     const auto last = pieces.size() - 1;
     CHECK(pieces.values[last] == 7);
     CHECK(pieces.embedding.tet[last] == in.embedding.tet[at(alone)]);
-    // Patches: numbered without gaps, each of one vertex of the tets and one value.
-    const std::vector<int> patches = pieces.patches(in.tets);
-    const int count = *std::max_element(patches.begin(), patches.end()) + 1;
-    std::vector<std::pair<int, double>> of_patch(at(count), {-1, 0});
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const auto& b = pieces.embedding.barycentric[i];
-        const double most = *std::max_element(b.begin(), b.end());
-        const Tet& t = in.tets.tets[at(pieces.embedding.tet[i])];
-        auto& [vertex, value] = of_patch[at(patches[i])];
-        if (vertex < 0) {
-            value = pieces.values[i];
-            for (std::size_t k = 0; k < 4; ++k)
-                if (b[k] > most - 1e-9 && (vertex < 0 || t[k] < vertex)) vertex = t[k];
-        }
-        CHECK(value == pieces.values[i]);
-        const auto k = static_cast<std::size_t>(std::find(t.begin(), t.end(), vertex) - t.begin());
-        REQUIRE(k < 4);
-        CHECK(b[k] == Approx(most).margin(1e-6));
-    }
-    std::sort(of_patch.begin(), of_patch.end());
-    CHECK(of_patch.front().first >= 0);
-    CHECK(std::adjacent_find(of_patch.begin(), of_patch.end()) == of_patch.end());
 }
 
 TEST_CASE("paint that leaves the tets is taken at samples, and nothing else is", "[mesh][pieces]") {

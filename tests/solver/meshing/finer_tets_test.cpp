@@ -1,6 +1,6 @@
 // Tets cut into eight: their volumes, what of them is solid, and fibre directions on them against a known field.
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/mesh/harmonic.h"
+#include "solver/mesh/fibre_field.h"
 #include "solver/mesh/primitives.h"
 #include "solver/meshing/finer_tets.h"
 #include "solver/meshing/lattice.h"
