@@ -15,8 +15,8 @@ namespace sinew::nodes {
 /// 3: paint holds on triangles, not only at vertices, where they are larger than the tets. 4: maps and fibre
 /// directions are solved for by supernodal Cholesky. 5: the default lattice knows the moments of what it cuts. 6: tets
 /// are fitted to the borders of layers. 7: fibres follow a field on smaller tets. 9: paint is that of the
-/// solid part of each tet.
-constexpr int tissue_numerics = 9;
+/// solid part of each tet. 10: as many fibres begin on each piece of an end.
+constexpr int tissue_numerics = 10;
 
 /// What is noticed of a tissue's parts, each in the order of BodyRest::parts.
 struct FoundParts {

@@ -35,8 +35,9 @@ const Input<NumberList> end_points{
     .limits = {.min = 0, .max = 1},
     .doc = "One number per vertex: up to 0.1 where the fibres begin, from 0.9 on where they end, else in "
            "between. "
-           "The fibres run from the first to the second; connect endPoints.outEndPoints. Not needed where direction, "
-           "directions or directionsFile say how they run.",
+           "The fibres run from the first to the second, as many from each piece of the area where they begin and to "
+           "each where they end; connect endPoints.outEndPoints. Not needed where direction, directions or "
+           "directionsFile say how they run.",
 };
 const Input<Vec3> direction{
     .name = "direction",

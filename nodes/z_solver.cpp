@@ -320,7 +320,8 @@ void add_z_solver(Registry& registry) {
     // 28: BDF2 begins anew when a body comes on
     // 29: shares of subtissues and painted layers: sides of triangles in sharp folds are known
     // 30: solves with a factor add up by other pieces of it
-    type.base.numerics = 31; // no direction moves bodies that are off, and they stand from the first step on
+    // 31: no direction moves bodies that are off, and they stand from the first step on
+    type.base.numerics = 32; // stiff attachments are limited by the flesh where they hold, and their means too
     type.base.machine = solver::machine_numerics();
     type.base.doc = "Simulates soft tissue and cloth: bones move, the others follow by the laws of physics.";
     type.base.inputs = {describe(bodies),
