@@ -41,7 +41,7 @@ const Input<double> stiffness{
     .limits = {.min = 0, .max = 1e14},
     .doc =
         "Force per attached area and distance. Where that is more than flesh in a lattice can bear at each point, the "
-        "mean around each vertex of a tet is held with it, up to 1,500 times what the flesh there resists across a "
+        "mean around each vertex of a tet is held with it, up to 1,250 times what the flesh there resists across a "
         "tet.",
 };
 const Input<double> damping{

@@ -80,8 +80,8 @@ TEST_CASE("patches: of two tissues the one with larger tets gives the vertices, 
     CHECK(edges[0] == Approx(0.07).epsilon(0.25));
     CHECK(edges[1] == Approx(0.045).epsilon(0.25));
     CHECK(edges[2] == 0);
-    CHECK(b.single(0) == Approx(150 * 3e4 / edges[0]));
-    CHECK(b.single(1) == Approx(150 * 3e4 / edges[0]));
+    CHECK(b.single(0) == Approx(125 * 3e4 / edges[0]));
+    CHECK(b.single(1) == Approx(125 * 3e4 / edges[0]));
     AttachmentRest bones, equal = attachments[1];
     bones.source = bones.target = 2;
     CHECK(patch_side(b.scene, bones, edges) == -1);
@@ -123,14 +123,14 @@ TEST_CASE("patches: flesh counts by what it is where it is held") {
         return single_stiffness(scene, held_tets(scene, scene.description().attachments[a], kept.anchors[a]), edges,
                                 in);
     };
-    CHECK(single(0) == Approx(150 * 7e5 / edges[0]));
-    CHECK(single(1) == Approx(150 * 3e4 / edges[0]));
+    CHECK(single(0) == Approx(125 * 7e5 / edges[0]));
+    CHECK(single(1) == Approx(125 * 3e4 / edges[0]));
     // Held all over, by the areas.
     for (const Anchor& a : kept.anchors[2])
         all += a.area_weight, stiff += below->layer_weights[1][at(a.source.tet)] * a.area_weight;
     REQUIRE(stiff > 0.25 * all);
     REQUIRE(stiff < 0.5 * all);
-    CHECK(single(2) == Approx(150 * (3e4 + stiff / all * 6.7e5) / edges[0]));
+    CHECK(single(2) == Approx(125 * (3e4 + stiff / all * 6.7e5) / edges[0]));
 }
 
 TEST_CASE("patches: between two vertices that are as near up to rounding the first one counts") {
@@ -239,7 +239,7 @@ TEST_CASE("where tets end at the surface no springs are put together") {
     CHECK(springs.energy(x, nullptr) == Approx(0.5 * 1e9 * 0.02 * 0.02 * 0.1 * 0.001 / 3).epsilon(1e-6));
 }
 
-TEST_CASE("a patch's mean stretch meets 1,500 times what flesh is at most, what differs from it 150 times") {
+TEST_CASE("a patch's mean stretch meets 1,250 times what flesh is at most, what differs from it 125 times") {
     for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
         const Blocks b(kind);
         const auto& attachments = b.scene.description().attachments;

@@ -19,8 +19,8 @@ namespace sinew::solver {
 namespace {
 
 /// Single springs are this many times as stiff as flesh across a tet. Fewer make bodies more exact, and let points that
-/// are held stray farther: at 100 those of the arm's bones by 0.74 mm instead of less than 0.65.
-constexpr double firmness = 150;
+/// are held stray farther: at 100 those of the arm's bones by 0.74 mm instead of less than 0.7.
+constexpr double firmness = 125;
 
 /// Of barycentric coordinates: what rounding and files leave.
 constexpr double near = 1e-5;

@@ -2,7 +2,7 @@
 // piece, as they are more than its corners are free to move. A clamp would so reach up to a tet's thickness into the
 // flesh, which makes thin muscles millimetres too stiff. Where springs are stiffer than flesh is across a tet, those
 // nearest to one vertex make up a patch: their mean stretch meets the whole stiffness, what single ones are longer or
-// shorter than that 150 times as much as flesh resists itself (E / h), and the mean itself at most 1,500 times:
+// shorter than that 125 times as much as flesh resists itself (E / h), and the mean itself at most 1,250 times:
 // vertices outside of the solid are as many as those inside, so even means stiffer than that hold flesh like a piece.
 // Smaller tets make that stiffer, so in the end all are the same. Where tets end at the surface each vertex there bears
 // what pulls at it, and nothing is put together. Sources: Barbosa and Hughes 1991, Burman and Hansbo 2010, on how many
@@ -38,7 +38,7 @@ struct HeldTets {
 /// Of an attachment's two ends, of which bones and cloth have none.
 std::array<HeldTets, 2> held_tets(const Scene& scene, const AttachmentRest& attachment,
                                   std::span<const Anchor> anchors);
-/// How stiff single springs of a patch are at most [N/m^3]: 150 times what flesh is across a tet, E / h. E is the
+/// How stiff single springs of a patch are at most [N/m^3]: 125 times what flesh is across a tet, E / h. E is the
 /// mean over where the tissue is held, so a muscle's belly counts by itself and not by its tendon; of two tissues the
 /// softer counts. Infinite where there is no tissue.
 double single_stiffness(const Scene& scene, const std::array<HeldTets, 2>& held, std::span<const double> edges,
